@@ -82,7 +82,8 @@ class FineTuneEvaluator(Evaluator):
 
     def _told(self, frames: int) -> str:
         return (
-            f"Training on in each of {self.contexts} contexts, {self.rounds} rounds, {frames} control steps in all. "
+            f"Training on in each of {self.contexts} contexts, {self.rounds} rounds of {frames} control "
+            "steps together. "
             f"jump start: return before, asymptote: after, of {self.episodes} episodes each; interquartile means "
             "over the contexts that have a return in every round. An episode that diverges counts with the return that "
             "the task declares. infeasible and infeasible after: share of the contexts in which all do, or which do "

@@ -12,6 +12,7 @@ from dr_lab.reports.quantity import titled
 
 _HEIGHT = 280  # px
 _POINTS = 400  # of a curve
+_FALLS = "Between target and model: before an iteration in the contexts drawn, after it at their mean."
 _FAINT = 0.7  # opacity of what was drawn
 
 
@@ -71,4 +72,4 @@ def _decline(decline: Decline) -> Plot:
         figure.add_trace(go.Scatter(x=decline.iteration[kept], y=y, name=name, showlegend=True, **look))
     figure.update_xaxes(title="iteration")
     figure.update_yaxes(title=decline.name, type="log")
-    return Plot(figure, _HEIGHT, half=True)
+    return Plot(figure, _HEIGHT, _FALLS, half=True)

@@ -30,7 +30,7 @@ def write_training_page(path: Path, page: Page, report: TrainReport | EvaluateRe
     choice = report.choice if isinstance(report, TrainReport) else None
     pairs = pair_plots(record.pairs)
     plots = {
-        "Returns over contexts": grid_plots(record.grids),
+        "Mean returns": grid_plots(record.grids),
         "Returns": sample_plots(record.samples),
         "Adaptation": [*gain_plots(record.gains), *ways_plots(record.ways)],
         "Gradients of contexts": matrix_plots(record.matrices),
@@ -41,6 +41,6 @@ def write_training_page(path: Path, page: Page, report: TrainReport | EvaluateRe
         "Contexts of training": marginal_plots(fixed),
         "Other figures": curve_plots(record.curves)[1:],
     }
-    told = [Chapter(section.title, [Text(section.body)]) for section in page.sections if section.body]
-    chapters = [Chapter(title, parts) for title, parts in plots.items()]
-    write_document(path, page.title, page.lead, [*chapters, *told])
+    told = {section.title: [Text(section.body)] for section in page.sections if section.body}
+    chapters = [Chapter(title, [*plots.get(title, ()), *told.get(title, ())]) for title in {**plots, **told}]
+    write_document(path, page.title, page.lead, chapters)

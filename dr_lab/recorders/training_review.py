@@ -160,7 +160,7 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
         "Learned distribution" if record.courses else "Contexts of training": _learned(record),
         "Pairs of parameters": _pairs(record),
         "Target and model": _compared(record),
-        "Returns over contexts": _maps(record),
+        "Mean returns": _maps(record),
         "Gradients of contexts": _matrices(record),
         "Adaptation": _adapted(record),
     }

@@ -79,7 +79,7 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
         "Curves": {"entropy": [learned]},
         "Learned distribution": {"p(z) of size": [learned]},
         "Pairs of parameters": {"p(z) of friction, size": [learned]},
-        "Returns over contexts": {"returns, line": [learned], "returns, area": [learned]},
+        "Mean returns": {"returns, line": [learned], "returns, area": [learned]},
         "Adaptation": {
             "gain of 1 update": [learned, look.colour("before")],
             "ways, after 1 update": [learned, look.colour("before")],

@@ -160,7 +160,7 @@ def test_fine_tuning_takes_the_updates_of_a_meta_learner(
     mass = np.arange(1.0, 5.0)
     np.testing.assert_allclose(rows, np.column_stack([expected(mass), expected(mass, 1.0 + 2.0 * mass)]), rtol=1e-6)
     np.testing.assert_array_equal(found.curves[0].at, [0, 20, 40])  # 60 for the three contexts of a group
-    assert "2 rounds, 40 control steps in all" in found.told
+    assert "2 rounds of 40 control steps together" in found.told
 
 
 def test_groups_are_of_one_size_and_repeat_the_last() -> None:

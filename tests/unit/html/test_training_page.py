@@ -28,6 +28,7 @@ from dr_lab.recorders.training import (
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.evaluate_page import evaluate_page
+from dr_lab.reports.page import Section
 from dr_lab.reports.plain import from_plain
 from dr_lab.reports.train import ChoiceEntry, SnapshotEntry, TrainReport
 from dr_lab.reports.train_page import train_page
@@ -198,6 +199,16 @@ def test_long_names_of_figures_are_not_cut_and_their_meaning_is_told(tmp_path: P
     assert titles[:3] == ["episode return", "infeasible share while<br>training on", "return after 3"]
     assert "Share of the contexts without a return." in text(page)
     assert "Mean return over the tasks after so many updates, with exploration." in text(page)
+
+
+def test_plots_and_words_of_one_title_stand_in_one_chapter(tmp_path: Path) -> None:
+    report = from_plain(TrainReport, train_report(12.0, {"torso.size": {"unit": "m", "std": 0.1}}))
+    page = replace(train_page(report), sections=[Section("ladder", "Target and model", "The table.")])
+    record = TrainingRecord("run", declines=[Decline("discrepancy", ITERATION, {"mean, after": np.ones(5)})])
+    write_training_page(tmp_path / "report.html", page, report, record)
+    written = (tmp_path / "report.html").read_text("utf-8")
+    assert written.count("<h2>Target and model</h2>") == 1
+    assert text(written).index("Between target and model") < text(written).index("The table.")
 
 
 @pytest.mark.parametrize("count", [1, 400])
