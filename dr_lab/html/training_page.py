@@ -28,18 +28,19 @@ def write_training_page(path: Path, page: Page, report: TrainReport | EvaluateRe
     learned = [each for each in record.marginals if each.learned]
     fixed = [each for each in record.marginals if not each.learned]
     choice = report.choice if isinstance(report, TrainReport) else None
-    pairs = pair_plots(record.pairs)
+    pairs, curves = pair_plots(record.pairs), curve_plots(record.curves)
+    returns = [plot for curve, plot in zip(record.curves[:1], curves, strict=False) if "return" in curve.name]
     plots = {
         "Mean returns": grid_plots(record.grids),
         "Returns": sample_plots(record.samples),
         "Adaptation": [*gain_plots(record.gains), *ways_plots(record.ways)],
         "Gradients of contexts": matrix_plots(record.matrices),
-        "Return": curve_plots(record.curves[:1]),
+        "Return": returns,
         "Learned distribution": [*marginal_plots(learned, record.spreads), *pairs],
         "Target and model": [*decline_plots(record.declines), *comparison_plots(record.comparisons)],
         "Choice of the policy": choice_plots(choice),
         "Contexts of training": marginal_plots(fixed),
-        "Other figures": curve_plots(record.curves)[1:],
+        "Other figures": curves[len(returns) :],
     }
     told = {section.title: [Text(section.body)] for section in page.sections if section.body}
     chapters = [Chapter(title, [*plots.get(title, ()), *told.get(title, ())]) for title in {**plots, **told}]

@@ -191,6 +191,13 @@ def test_a_pair_of_contexts_without_a_cosine_need_not_be_infeasible(tmp_path: Pa
     assert "Hatched: infeasible, or no gradient that is told from noise." in text(page)
 
 
+def test_what_is_no_return_is_not_called_one(tmp_path: Path) -> None:
+    """Where no episode ended the first figure is another."""
+    page = trained(tmp_path, TrainingRecord("run", [Curve("objective", "", ITERATION, np.ones(5))]))
+    assert "<h2>Return</h2>" not in page
+    assert "<h2>Other figures</h2>" in page
+
+
 def test_long_names_of_figures_are_not_cut_and_their_meaning_is_told(tmp_path: Path) -> None:
     """At the height of a small plot "infeasible share while training on" began with "feasible share"."""
     names = ["episode_return", "infeasible share while training on", "return_after_3"]
