@@ -175,7 +175,7 @@ def _end(log: Log) -> float:
 
 def rest(report: GapReport) -> str:
     """Where the model fails, and notes on the answer, for the screen; those on rejected candidates are in the file."""
-    where = [f"- {r.signal}, {r.region}: {percent(r.share or 0.0)} of its error" for r in report.failing.where]
+    where = [f"- {r.signal}, {r.region}: {percent(r.share or 0.0)} of its squared error" for r in report.failing.where]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
     notes = [note for note in report.notes if note.kind not in (KIND, TRADE)]  # those were shown before
     kept = kept_effects(report)

@@ -53,7 +53,7 @@ def _plot(ordered: Sequence[CandidateEntry], verdict: str | None, logs: str) -> 
         figure.add_trace(_promised(shown[len(fitted) :]))
     figure.add_vline(x=0.0, line={"color": INK, "width": 1})
     low = min([0.0, *(100 * row.gain_ci[0] for row in fitted if row.gain_ci[0] is not None)])
-    figure.update_xaxes(title="share of χ² removed [%]", range=[max(low, _WORST) - 2.0, 102.0])
+    figure.update_xaxes(title="share of a typical window's χ² removed [%]", range=[max(low, _WORST) - 2.0, 102.0])
     names = [row.label for row in shown]
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], range=[-0.7, len(shown) - 0.3])
     left = len(ordered) - len(shown)

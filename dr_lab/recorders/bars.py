@@ -46,7 +46,7 @@ def ladder_canvas(ladder: Sequence[LadderModel]) -> Canvas:
 
 
 def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], verdict: str | None, look: Look) -> None:
-    """Draw the best fitted candidates: the share of χ² that each removes, with its interval.
+    """Draw the best fitted candidates: the share of a typical window's χ² that each removes, with its interval.
 
     Args:
         root: where to.
@@ -65,7 +65,7 @@ def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], verdict: str | 
         for row in _drawn(ranking)
     ]
     low = min([0.0, *(row.interval[0] for row in rows if row.interval)])
-    axis = linear_axis("share of χ² that the effect removes [%]", max(low, _WORST), 100.0)
+    axis = linear_axis("share of a typical window's χ² that the effect removes [%]", max(low, _WORST), 100.0)
     _log_rows(root, ranking_canvas(ranking), rows, axis, 0.0, look)
 
 

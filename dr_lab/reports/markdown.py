@@ -123,7 +123,7 @@ def _missing_forces(report: GapReport) -> str:
     """How much of the missing force the effects took away and how much they could have, and a formula of the rest."""
     lines = []
     for row in report.judged.missing_force:
-        could = "" if row.ceiling is None else f" (a force of the measured state could: {percent(row.ceiling)})"
+        could = "" if row.ceiling is None else f" (a regression on the measured state: {percent(row.ceiling)})"
         sizes = " → ".join(number(size, 3) for size in (row.rms_first, row.rms_last))
         beyond = f"{row.unit} RMS beyond the noise's {number(row.noise, 3)}"
         explained = f"{percent(row.explained)} explained{could}{_of_windows(row)}"

@@ -11,7 +11,9 @@ from dr_lab.html.gap_page import write_gap_page
 from dr_lab.recorders.look import Look
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.markdown import report_markdown
 from dr_lab.reports.plain import from_plain
+from dr_lab.reports.quantity import percent
 
 DOUBT = "only 2 logs are fitted; from 3 on (evidence.least_trusted) their scatter is known"
 
@@ -63,6 +65,15 @@ def test_notes_on_rejected_candidates_stand_last_and_in_the_file_alone(
     assert "coulomb_friction@arm: of 1 to 120" in shown
     assert "cogging@arm" not in shown
     assert "… and 1 more in report.md" in shown
+
+
+def test_the_screen_and_the_file_tell_the_same_share_of_failure(close_report: dict[str, Any]) -> None:
+    """38 % of the squared error is another part of the error itself."""
+    told = report(close_report)
+    row = told.failing.where[0]
+    said = f"{row.region}: {percent(row.share)} of its squared error"
+    assert said in rest(told)
+    assert said in report_markdown(told)
 
 
 def test_each_added_effect_has_its_row_beside_the_model_that_it_was_added_to(
