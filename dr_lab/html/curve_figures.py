@@ -110,8 +110,8 @@ def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool)
     figure.update_xaxes(title="control steps", rangemode="tozero", exponentformat="SI")
     figure.update_yaxes(title=_lines(name.replace("_", " ")))
     told = "Interquartile mean over the runs of a group, with its interval where they are three or more."
-    caption = [told] if first else []
-    return Plot(figure, _LARGE if first else _SMALL, " ".join([*caption, *_alone(bands)]), half=not first)
+    caption = filter(None, [meaning(name), told if first else "", *_alone(bands)])
+    return Plot(figure, _LARGE if first else _SMALL, " ".join(caption), half=not first)
 
 
 def _alone(bands: Sequence[Band]) -> list[str]:

@@ -15,6 +15,7 @@ from dr_lab.trajectory import Array
 _COLUMNS = 3  # plots side by side
 _MAP = 340  # px
 _ELSE = "What else it depends on is as in the nearest of these states."
+_DRAWN = "Dots: a short window each; lines: their mean over ranges that hold as many dots each."
 _INSIDE = 99.5  # % of the dots that the axis holds, so that one does not flatten the others
 
 
@@ -40,7 +41,7 @@ def _joint(overlay: Overlay, joint: str, look: Look) -> Plot:
     reach = _reach(np.concatenate([*residuals.values()]))
     figure.update_yaxes(range=[-reach, reach], zeroline=True)
     figure.update_yaxes(title=f"{joint}: {overlay.residual_name(joint)}", col=1)
-    return Plot(figure, 110 + 230 * lines)
+    return Plot(figure, 110 + 230 * lines, _DRAWN)
 
 
 def _traces(value: Array, residual: Array, role: str, label: str, look: Look) -> list[go.Scatter]:

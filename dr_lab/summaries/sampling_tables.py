@@ -14,8 +14,8 @@ from dr_lab.summaries.uniformity import LEAST
 KEY = "sampling"
 _SMALLEST = 0.0001  # probability that is told
 _TOLD = (
-    "How often contexts were drawn for training, counted over all runs of a setting in blocks of {} control steps. A "
-    "proposal of a learner counts once.\n\n"
+    "How often contexts were drawn for training, counted over all runs of a setting in blocks of about {} control "
+    "steps; a shorter training is one block. A proposal of a learner counts once.\n\n"
     "χ²/dof compares the counts in {} bins of the range that training began with to those of a uniform distribution, "
     "block by block. It is about 1 where draws are uniform and independent, as in uniform domain randomisation; p is "
     "the probability of a larger one there. Proposals of a walk depend on one another, which raises χ² by itself: p "

@@ -191,6 +191,7 @@ def test_each_joints_force_has_its_own_unit(
     ]
     assert any("arm: missing force [N]" in title for title in titles)
     assert any("pole: missing force [N·m]" in title for title in titles)
+    assert "lines: their mean over ranges that hold as many dots each" in (tmp_path / "report.html").read_text("utf-8")
 
 
 @pytest.mark.slow

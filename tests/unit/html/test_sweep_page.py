@@ -59,10 +59,12 @@ def test_titles_side_by_side_have_room() -> None:
 
 def test_curves_of_one_point_are_told(tmp_path: Path) -> None:
     nan = np.full(2, np.nan)
-    bands = [Band("adr", "loss", np.array([100, 200]), np.array([np.nan, 7.5]), nan, nan)]
+    bands = [Band("adr", "kl", np.array([100, 200]), np.array([np.nan, 7.5]), nan, nan)]
     report = SummarizeReport("dr_lab/summarize/1", "summarize", "s", (), (), (), "run")
     write_sweep_page(tmp_path / "report.html", Page("Runs", "", []), report, SweepRecord("s", ["adr"], bands))
-    assert "adr: one point alone, 7.5 after 200 steps." in text((tmp_path / "report.html").read_text("utf-8"))
+    said = text((tmp_path / "report.html").read_text("utf-8"))
+    assert "Divergence between the policy that acted and the updated one, nat." in said
+    assert "adr: one point alone, 7.5 after 200 steps." in said
 
 
 def test_many_groups_and_figures_stay_small(tmp_path: Path) -> None:

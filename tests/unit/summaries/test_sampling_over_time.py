@@ -128,6 +128,7 @@ def test_the_verb_tells_and_draws_it(tmp_path: Path) -> None:
         ("none", [[30, 30]], 1),
         ("adr", [[0, 60]], 1),
     ]
+    assert "in blocks of about" in (folder / "report.md").read_text("utf-8")
     written = (folder / "report.html").read_text("utf-8")
     assert "adr: 60 draws of 2 runs together, by blocks of 240 control steps. Uniform would be 50 % a bin." in text(
         written
