@@ -10,7 +10,7 @@ from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import titled, written
 from dr_lab.reports.tables import table
 
-_FIRST = 3  # figures that the first sentence tells
+_FIRST = 4  # figures that the first sentence tells
 _RETURN = "return"  # column by which some rows are worse than others
 _SHOWN = 40  # rows of the table in the page; all are in a file
 
@@ -60,13 +60,23 @@ def _spelt(evaluator: str) -> str:
 
 
 def _with_intervals(figures: Sequence[Sequence[str]]) -> list[Sequence[str]]:
-    """A figure that has a lower and an upper end, such as ``real.low``, as one: its value, then its interval."""
-    value = {name: told for name, told in figures}  # noqa: C416 (pairs of any sequence)
-    ends = {name: (f"{name}.low", f"{name}.high") for name in value}
-    told = {name: pair for name, pair in ends.items() if pair[0] in value and pair[1] in value}
-    inner = {end for pair in told.values() for end in pair}
-    said = {name: f"{value[name]} ({value[low]} … {value[high]})" for name, (low, high) in told.items()}
-    return [(name, said.get(name, each)) for name, each in figures if name not in inner]
+    """A figure that has a lower and an upper end as one: its value, then its interval.
+
+    The ends of ``real`` are ``real.low`` and ``real.high``; ``a.low`` where no figure is called ``a`` is the lower end
+    of the one before it, such as ``a.iqm``.
+    """
+    value = {name: each for name, each in figures}  # noqa: C416 (pairs of any sequence)
+    told: dict[str, str] = {}
+    for name, each in value.items():
+        begin, _, end = name.rpartition(".")
+        if end not in ("low", "high"):
+            told[name] = each
+            continue
+        whose = begin if begin in value else next(reversed(told), "")
+        low, high = (f"{begin}.{side}" if begin else side for side in ("low", "high"))
+        if end == "high" and whose and low in value:
+            told[whose] = f"{value[whose]} ({value[low]} … {value[high]})"
+    return list(told.items())
 
 
 def _in_short(figures: Sequence[Sequence[str]]) -> str:

@@ -16,7 +16,11 @@ from dr_lab.reports.evaluate_page import evaluate_page
         ({"a.iqm": 1.0, "b.iqm": 2.0}, "A.iqm 1, b.iqm 2"),
         ({"real": 280.0, "real.low": 269.0, "real.high": 285.0, "solved": 1.0}, "Real 280 (269 … 285), solved 1"),
         ({"return_after_0": 279.0, "gain_1": 2.5}, "Return after 0: 279, gain 1: 2.5"),
-        ({"iqm": 3.0, "low": 2.0, "high": 4.0}, "Iqm 3, low 2, high 4"),
+        ({"iqm": 3.0, "low": 2.0, "high": 4.0}, "Iqm 3 (2 … 4)"),
+        (
+            {"a.eigenvalue": 9.0, "a.curvature": 5.0, "a.low": 1.0, "a.high": 8.0, "b.eigenvalue": -2.0},
+            "A.eigenvalue 9, a.curvature 5 (1 … 8), b.eigenvalue -2",
+        ),
     ],
 )  # fmt: skip
 def test_the_first_sentence(figures: dict[str, float], said: str) -> None:
