@@ -16,6 +16,7 @@ from dr_lab.recorders.branch import TIMELINE
 from dr_lab.recorders.rerun_process import LOCAL, POLL, START_LIMIT, await_port, complaint, free_port, viewer_binary
 from dr_lab.reports.typed import view_command
 
+_BEGIN = b"RRF"  # of every recording
 # s: until the notes that the viewer shows on starting have faded.
 _NOTES_FADE = 6.0
 
@@ -28,7 +29,7 @@ def find_recording(run: str, runs: Path) -> Path:
         runs: folder below which ``latest`` looks.
 
     Raises:
-        DrLabError: there is no such folder or no recording in it; the message says what to do.
+        DrLabError: there is no such folder, no recording in it, or a file that is none; the message says what to do.
     """
     if run == "latest":
         found = sorted(runs.rglob("review.rrd"), key=lambda path: path.stat().st_mtime)
@@ -39,7 +40,18 @@ def find_recording(run: str, runs: Path) -> Path:
     recording = path / "review.rrd" if path.is_dir() else path
     if not recording.is_file():
         raise DrLabError(f"There is no recording {recording}. Give run=FOLDER of a run, or run=latest.")
+    if recording.suffix == ".rrd" and not _begins_as_recording(recording):
+        raise DrLabError(
+            f"{recording} is no recording: it does not begin as one. Give run=FOLDER of a run, or run=latest; where it "
+            "is the file of a run, copy it anew."
+        )
     return recording
+
+
+def _begins_as_recording(path: Path) -> bool:
+    """Otherwise the viewer opens, and shows nothing."""
+    with path.open("rb") as file:
+        return file.read(len(_BEGIN)) == _BEGIN
 
 
 def open_viewer(paths: Sequence[Path]) -> None:

@@ -145,7 +145,7 @@ def test_latest_is_the_newest_run(tmp_path: Path) -> None:
     for age, name in enumerate(["b", "a"]):
         (tmp_path / name).mkdir()
         path = tmp_path / name / "review.rrd"
-        path.touch()
+        path.write_bytes(b"RRF2")
         modified = path.stat().st_mtime - 100 * age
         os.utime(path, (modified, modified))
     assert find_recording("latest", tmp_path) == tmp_path / "b" / "review.rrd"

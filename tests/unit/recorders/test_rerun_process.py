@@ -1,11 +1,23 @@
-"""Ports of the viewer."""
+"""What the viewer is given: files that are recordings, ports that are free."""
 
 import socket
+from pathlib import Path
 
 import pytest
 
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, DrLabError
 from dr_lab.recorders.rerun_process import LOCAL, free_port
+from dr_lab.recorders.viewer import find_recording
+
+
+def test_a_file_that_is_no_recording_is_refused_before_the_viewer_shows_nothing(tmp_path: Path) -> None:
+    recording = tmp_path / "review.rrd"
+    recording.write_bytes(b"RRF2\0")
+    assert find_recording(str(recording), tmp_path) == recording
+    for content in (b"", b"hi"):
+        recording.write_bytes(content)
+        with pytest.raises(DrLabError, match=r"review\.rrd is no recording: it does not begin as one"):
+            find_recording(str(tmp_path), tmp_path)
 
 
 @pytest.mark.parametrize("wanted", [99999, -1])
