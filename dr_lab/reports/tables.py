@@ -1,15 +1,19 @@
 """The tables of a report, as Markdown."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import ByChannel, CandidateEntry, ErrorsEntry, NoiseEntry, ParameterEntry, Parameters
 from dr_lab.reports.ladder import before_after, scored, status, steps
-from dr_lab.reports.quantity import ABSENT, number, percent, uncertain
+from dr_lab.reports.plain import Number
+from dr_lab.reports.quantity import ABSENT, number, percent, titled, uncertain
 from dr_lab.trajectory import ClockFit
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
 _COLUMNS = 3
+# Significant digits of a parameter as each log alone gives it.
+_FEWEST, _MOST = 3, 6
 # Clocks whose times are taken as they are, in words.
 _CLOCKS = {"column": "the table's time column", "log": "the log", "publish": "the publishers"}
 
@@ -128,18 +132,30 @@ def parameter_table(parameters: Parameters, given: Mapping[str, float]) -> str:
         first = [number(given.get(name))] if before else []
         spread = [percent(_share(_cv_percent(row)))] if scatter else []
         rows.append([f"`{name}`", *first, _fitted(row), *spread])
-    header = ["parameter", *(["as given"] if before else []), "value ± std"]
+    told = "value ± std" if any("±" in cell for row in rows for cell in row) else "value"
+    header = ["parameter", *(["as given"] if before else []), told]
     return table([*header, *(["CV between logs"] if scatter else [])], rows)
 
 
 def per_log_table(parameters: Parameters) -> str:
     """Each parameter as fitted on each log alone."""
     logs = list(dict.fromkeys(log for row in parameters.values() for log in _per_log(row)))
-    rows = [
-        [f"`{name}` [{row.unit}]", *(number(_per_log(row).get(log), 3) for log in logs)]
-        for name, row in parameters.items()
-    ]
+    rows = []
+    for name, row in parameters.items():
+        each = _per_log(row)
+        rows.append(
+            [titled(f"`{name}`", row.unit), *(number(each.get(log), _telling_apart(each.values())) for log in logs)]
+        )
     return table(["parameter", *logs], rows) if len(logs) > 1 else ""
+
+
+def _telling_apart(values: Iterable[Number]) -> int:
+    """How many digits show that values differ, three at least and not more than a fit is worth."""
+    known = [value for value in values if value is not None]
+    apart = max(known, default=0.0) - min(known, default=0.0)
+    if apart <= 0:
+        return _FEWEST
+    return min(max(_FEWEST, 2 + math.floor(math.log10(max(map(abs, known)) / apart))), _MOST)
 
 
 def horizon_table(report: GapReport) -> str:
