@@ -2,6 +2,7 @@
 
 import io
 import re
+from collections.abc import Sequence
 
 from rich.console import Console
 
@@ -9,12 +10,26 @@ from dr_lab.reports.screen import ScreenMarkdown
 from dr_lab.reports.tables import table
 
 
+def shown(header: Sequence[str], row: Sequence[str], width: int) -> list[str]:
+    console = Console(width=width, file=io.StringIO(), record=True)
+    console.print(ScreenMarkdown(table(header, [row])))
+    lines = console.export_text().splitlines()
+    assert all(len(line) <= width for line in lines)
+    return lines
+
+
 def test_a_number_keeps_its_digits_however_narrow_the_screen_is() -> None:
     names = ["median", "arm.mass [kg]", "pole.mass [kg]", "arm.damping [N·m·s/rad]", "pole.damping [N·m·s/rad]"]
-    console = Console(width=40, file=io.StringIO(), record=True)
-    console.print(ScreenMarkdown(table(names, [["284.1", "0.1136", "0.03477", "8.642e-5", "0.0009811"]])))
-    lines = console.export_text().splitlines()
-    assert all(len(line) <= 40 for line in lines)
+    lines = shown(names, ["284.1", "0.1136", "0.03477", "8.642e-5", "0.0009811"], 40)
     below = "".join(lines[next(k for k, line in enumerate(lines) if "─" in line) + 1 :])
     assert "…" not in below
     assert len(re.sub(r"\s", "", below)) == len("284.10.11360.034778.642e-50.0009811")
+
+
+def test_more_columns_than_the_screen_has_room_for_are_told_in_a_sentence() -> None:
+    """A column of one character a line is no table."""
+    lines = shown([f"setting {k}" for k in range(22)], ["0.1234"] * 22, 80)
+    assert [line.strip() for line in lines if line.strip()] == [
+        "A table of 22 columns, too wide for this screen: see the report in the run",
+        "folder.",
+    ]
