@@ -7,7 +7,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.curve_meanings import meaning
-from dr_lab.html.figure import AFTER, NOISE, Plot, band, chart, line, numbers, series
+from dr_lab.html.figure import AFTER, NOISE, Plot, band, chart, line, numbers, series, whole_ticks
 from dr_lab.html.thinning import Numbers, spread, thinned
 from dr_lab.recorders.training import Band, Curve
 from dr_lab.reports.quantity import number, titled
@@ -70,7 +70,8 @@ def _curve(curve: Curve, first: bool) -> Plot:
         at, mean = _running_mean(x, y)
         named = {"name": f"mean over 1/{_SMOOTHED} of the training", "showlegend": first}
         figure.add_trace(go.Scatter(x=at, y=numbers(mean), **line(AFTER, 2.5), **named))
-    figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero", exponentformat="SI")
+    ticks = whole_ticks(float(curve.at.max(initial=0)))
+    figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero", exponentformat="SI", **ticks)
     figure.update_yaxes(title=_lines(titled(curve.name.replace("_", " "), curve.unit)))
     alone = f"One point alone: {number(float(y[0]))}." if len(y) == 1 else ""
     told = " ".join(filter(None, (meaning(curve.name), alone)))

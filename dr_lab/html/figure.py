@@ -19,6 +19,7 @@ INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--grid)"
 MEASURED, BEFORE, AFTER, NOISE = "var(--measured)", "var(--before)", "var(--after)", "var(--noise)"
 ROLES = {"measured": MEASURED, "before": BEFORE, "after": AFTER}
 _SERIES = 7  # colours of groups that the style sheet has
+_FEW_TICKS = 10
 _MARKUP = ("hovertemplate", "bdata")  # what is no text of a user
 ROW = 26  # px of a labelled row
 _TOP, _BOTTOM = 48, 56  # px beside the axes, for legend and title
@@ -80,6 +81,11 @@ def chart(rows: int = 1, columns: int = 1, titles: Sequence[str] = (), **grid: A
     figure.update_layout(template=_TEMPLATE)
     figure.update_annotations(font={"size": 13, "color": MUTED})
     return figure
+
+
+def whole_ticks(last: float) -> dict[str, Any]:
+    """Of an axis that counts to so few that ticks would stand between whole numbers."""
+    return {"dtick": 1} if last <= _FEW_TICKS else {}
 
 
 def headed(figure: go.Figure, name: str, more: str) -> go.Figure:

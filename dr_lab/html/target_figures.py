@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import plotly.graph_objects as go
 
-from dr_lab.html.figure import AFTER, MEASURED, Plot, band, chart, line, numbers, series
+from dr_lab.html.figure import AFTER, MEASURED, Plot, band, chart, line, numbers, series, whole_ticks
 from dr_lab.html.thinning import spread, thinned
 from dr_lab.recorders.training import Comparison, Comparisons, Decline, Spread
 from dr_lab.reports.quantity import titled
@@ -13,6 +13,7 @@ from dr_lab.reports.quantity import titled
 _HEIGHT = 280  # px
 _POINTS = 400  # of a curve
 _FALLS = "Between target and model: before an iteration in the contexts drawn, after it at their mean."
+_DECADES = 100.0  # largest over smallest, below which an axis has ticks at 1, 2 and 5
 _FAINT = 0.7  # opacity of what was drawn
 
 
@@ -22,7 +23,7 @@ def spread_plot(each: Spread) -> Plot:
     at, mean, std = each.iteration[kept], each.mean[kept], each.std[kept]
     figure.add_trace(band(at, mean - std, mean + std, AFTER, name="± std", showlegend=True))
     figure.add_trace(go.Scatter(x=at, y=numbers(mean), name="mean", **line(AFTER, 2.0)))
-    figure.update_xaxes(title="iteration")
+    figure.update_xaxes(title="iteration", **whole_ticks(float(at[-1])))
     figure.update_yaxes(title=titled(each.name, each.unit))
     return Plot(figure, _HEIGHT, half=True)
 
@@ -70,6 +71,9 @@ def _decline(decline: Decline) -> Plot:
         look = {"mode": "lines+markers", "line": {"color": series(index), "width": 2}, "marker": {"size": 5}}
         y = numbers(value[kept])
         figure.add_trace(go.Scatter(x=decline.iteration[kept], y=y, name=name, showlegend=True, **look))
-    figure.update_xaxes(title="iteration")
+    figure.update_xaxes(title="iteration", **whole_ticks(float(decline.iteration[-1])))
+    known = np.concatenate([value[value > 0] for value in decline.values.values()])
     figure.update_yaxes(title=decline.name, type="log")
+    if len(known) and known.max() < _DECADES * known.min():
+        figure.update_yaxes(dtick="D2")  # those of all digits would overlap
     return Plot(figure, _HEIGHT, _FALLS, half=True)

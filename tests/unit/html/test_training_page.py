@@ -248,7 +248,7 @@ def test_a_gaussian_that_draws_near_to_a_target_is_told_by_its_spread(tmp_path: 
     spread = Spread("mass", "kg", ITERATION, np.linspace(1.0, 2.0, 5), np.full(5, 0.25))
     time = np.array([0.0, 0.1])
     first, last = (Comparison("arm.position", "rad", time, time, off * time, off * time[None]) for off in (3.0, 1.5))
-    decline = Decline("discrepancy", ITERATION, {"at the mean": np.logspace(0, -4, 5)})
+    decline = Decline("discrepancy", ITERATION, {"at the mean": np.array([18.0, 9.0, 4.0, 2.0, 1.5])})
     record = TrainingRecord(
         "run", marginals=[marginal], spreads=[spread], comparisons=[Comparisons(np.array([1, 4]), [first, last])],
         declines=[decline],
@@ -256,11 +256,13 @@ def test_a_gaussian_that_draws_near_to_a_target_is_told_by_its_spread(tmp_path: 
     page = trained(tmp_path, record)
     require_whole(page)
     assert "heatmap" not in page  # mean and deviation tell it better
+    axes = [figure["layout"] for figure in figures(page) if figure["layout"]["yaxis"].get("type") == "log"]
+    assert [(each["xaxis"]["dtick"], each["yaxis"]["dtick"]) for each in axes] == [(1, "D2")]  # no 6, 7, 8, 9 upon 10
     (mean,), (around,) = traces(page, "mean"), traces(page, "± std")
     assert values(mean["y"]).tolist() == [1.0, 1.25, 1.5, 1.75, 2.0]
     assert values(around["y"])[[0, -1]].tolist() == [1.25, 0.75]
     at_mean = [values(t["y"]) for t in traces(page, "model at the mean")]
     np.testing.assert_allclose(at_mean, [[0.0, 0.3], [0.0, 0.15]], rtol=1e-6)
     (falls,) = traces(page, "at the mean")
-    np.testing.assert_allclose(values(falls["y"]), np.logspace(0, -4, 5), rtol=1e-6)
+    np.testing.assert_allclose(values(falls["y"]), [18.0, 9.0, 4.0, 2.0, 1.5], rtol=1e-6)
     assert any(each["layout"]["yaxis"].get("type") == "log" for each in figures(page))
