@@ -41,11 +41,6 @@ class Fit(Point):
     over: bool = False
     costs: tuple[float, ...] = ()
 
-    @property
-    def order(self) -> tuple[int, float]:
-        """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
-        return int(self.infeasible.sum()), self.cost
-
     def after(self, steps: int) -> float:
         """The lowest cost after so many steps of the first descent, or after its last one."""
         return self.costs[: steps + 1][-1]

@@ -75,7 +75,7 @@ class Fitter(Descent):
 
     def settled(self, *starts: Point) -> tuple[Point, Slopes]:
         """The best of starts with their states fitted, so that their costs tell something, and the slopes by these."""
-        return min(map(self._settled, starts), key=lambda each: (int(each[0].infeasible.sum()), each[0].cost))
+        return min(map(self._settled, starts), key=lambda each: each[0].order)
 
     def _settled(self, start: Point) -> tuple[Point, Slopes]:
         state = quick_differences(self.replay, self.settings, start, states=True, columns=np.arange(0))

@@ -31,6 +31,11 @@ class Point:
     cost: float
     infeasible: Mask
 
+    @property
+    def order(self) -> tuple[int, float]:
+        """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
+        return int(self.infeasible.sum()), self.cost
+
 
 def huber_weights(residuals: Array, fitted: Mask, infeasible: Mask, limit: float, channels: Sequence[slice]) -> Array:
     """Huber weights about a robust scale of each channel in each window, at least one noise standard deviation.

@@ -53,9 +53,10 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
        evidence are asked again there: few windows may not show what they add. The best one then goes on beyond bounds
        that are no physics, where it ran into them.
-    4. If the data support none of these, as many others have their turn: those that promise most in typical windows,
-       for what promises most in all may meet a few wild ones alone. They bring along what may have been crowded out,
-       as in rule 2, and must stand beside the first, too.
+    4. If the data support none of these, those have their turn that had stood behind one that gains nothing on all
+       windows, and as many others: those that promise most in typical windows, for what promises most in all may meet
+       a few wild ones alone. They bring along what may have been crowded out, as in rule 2, and must stand beside the
+       first, too.
     5. The model without them is fitted anew from where the best of these and those that it does not beat ended, with
        the effect absent. If that is better than the base, it becomes the base, and candidates get no credit for it.
 
@@ -89,7 +90,9 @@ class _Contest:
         first = self.waves.first()
         found = self.final(first)
         if not any(map(self._supported, found.values())):
-            found |= self.final(self.waves.next(), first)
+            others = {k: c for k, c in first.items() if found[k].fitted}  # few windows flattered those left absent
+            waiting = {k: c for k, c in others.items() if not found[k].final}
+            found |= self.final(waiting | self.waves.next(), others)
         return self.credited(_ordered([*found.values(), *self.waves.unfitted(found).values()]))
 
     def final(self, tried: Mapping[int, Candidate], before: Mapping[int, Candidate] = _NONE) -> dict[int, Candidate]:

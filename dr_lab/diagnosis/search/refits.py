@@ -50,16 +50,21 @@ class Refits:
         the effect's further starts have that, if this is better. Few windows bend the inertia of free bodies to what
         is left in them; so it also begins with the base's.
 
-        An effect that acts at once and promises little begins at absent, where the base's slopes are known.
+        An effect that acts at once and promises little begins at absent, where the base's slopes are known. So does one
+        that would begin worse than that: in the other windows the base's states may be far off beside what the few
+        found, as where the base is tilted.
         """
         effect, base, space = candidate.effect, self._base.fit, self._base.model.space
         fitter = self._fits.fitter(self._bench, effect, threads)
-        if not effect.starts:
-            absent = self._absent(fitter, effect)
-            if self._bench.promise(linear_gain(fitter, absent, base, space), base) < self._bench.enough:
-                return Begun(
-                    Point(absent.z, absent.delta, absent.residuals, absent.cost, absent.infeasible), base.slopes
-                )
+        if effect.starts:
+            return self._settled(fitter, candidate)
+        absent = self._absent(fitter, effect)
+        there = Begun(Point(absent.z, absent.delta, absent.residuals, absent.cost, absent.infeasible), base.slopes)
+        if self._bench.promise(linear_gain(fitter, absent, base, space), base) < self._bench.enough:
+            return there
+        return min(there, self._settled(fitter, candidate), key=lambda each: each.start.order)
+
+    def _settled(self, fitter: Fitter, candidate: Candidate) -> Begun:
         return Begun(*fitter.settled(*(self._there(fitter, candidate, z) for z in self._ends(fitter, candidate))))
 
     def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf, threads: int = 1) -> Candidate:

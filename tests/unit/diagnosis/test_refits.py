@@ -1,17 +1,16 @@
 """Fits of candidates to all windows: soft friction or a constant torque on a pendulum is the truth."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
-from typing import Any, cast
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
-from effect_machines import catalogue_effect, scales_of
+from refit_machines import CREEP, OFFSET, creeping, effect_of, fits_of, push, rubbing, stopping, tried
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
+from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.search import rank
@@ -21,57 +20,8 @@ from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Begun, Refits
 from dr_lab.diagnosis.search.screen import FirstLook
 from dr_lab.diagnosis.search.waves import Waves
-from dr_lab.effects.effect import PlacedEffect, place
+from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
-
-TORQUE = 0.1  # N·m
-OFFSET = 0.03  # N·m
-CREEP = 1.0  # rad/s
-
-
-def creeping(data: mujoco.MjData) -> None:
-    data.qfrc_applied[0] = -TORQUE * np.tanh(data.qvel[0] / CREEP)
-
-
-def rubbing(data: mujoco.MjData) -> None:
-    data.qfrc_applied[0] = -TORQUE * np.tanh(data.qvel[0] / 0.005)
-
-
-def push(data: mujoco.MjData) -> None:
-    data.qfrc_applied[0] = OFFSET
-
-
-def stopping(data: mujoco.MjData) -> None:
-    place = float(data.qpos[0])
-    data.qfrc_applied[0] = -20.0 * (place - np.clip(place, -0.4, 0.4))
-
-
-def effect_of(name: str) -> PlacedEffect:
-    model = pendulum()
-    return place(
-        catalogue_effect(name), model.nominal(), "hinge", scales_of(model, torque=0.5, position=1.0, speed=5.0)
-    )
-
-
-@cache
-def fits_of(force: Callable[[mujoco.MjData], None]) -> CandidateFits:
-    """Fits beside the calibrated model of a pendulum that a hidden force acts on; few of the windows screen."""
-    model = pendulum()
-    fit, held_out = (
-        windows_of(model, [swinging(n, model.nominal(), seed, force=force)]) for n, seed in (("a", 0), ("b", 1))
-    )
-    bench = Bench(fit, held_out, solver_settings(), evidence_settings(screen_seconds=1.5), threads=1)
-    base = fit_and_score(bench, model, model.space.nominal)
-    fits = CandidateFits(bench.beside(base), base)
-    assert not fits.whole
-    return fits
-
-
-@cache
-def tried(fits: CandidateFits, name: str) -> Candidate:
-    """An effect as it is fitted to the windows that screen."""
-    effect = effect_of(name)
-    return fits.fitted(effect, fits.look(effect))
 
 
 @cache
@@ -227,6 +177,41 @@ def test_a_candidate_that_another_one_beats_is_left_as_it_is(begun: tuple[Refits
     assert refits.refitted(candidate, start, beaten=1.1 * cost).fitted_model.fit.cost == cost
 
 
+def test_a_fit_to_all_windows_begins_at_absent_where_the_end_of_few_is_worse(
+    begun: tuple[Refits, Candidate, Begun],
+) -> None:
+    refits, candidate, start = begun
+    assert start.start.z[-1] == pytest.approx(OFFSET, rel=0.1)
+    fit = candidate.fitted_model.fit
+    astray = replace(fit, z=np.append(fit.z[:-1], -10 * OFFSET))
+    elsewhere = replace(candidate, fitted_model=replace(candidate.fitted_model, fit=astray))
+    assert refits.begun(elsewhere).start.z[-1] == 0.0
+    done = refits.refitted(elsewhere, refits.begun(elsewhere))
+    assert done.fitted_model.fit.z[-1] == pytest.approx(OFFSET, rel=0.02)
+
+
+def test_others_have_their_turn_where_the_best_of_few_windows_gains_nothing_in_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refit(self: Refits, candidate: Candidate, begun: Begun, *_: float, **__: int) -> Candidate:
+        del begun
+        if candidate.effect.effect.name == "spring":
+            return self._fits.at_absent(candidate.effect, candidate.fitted_model.fit, candidate.identifiability, 0.0)
+        return refitted_to_all(self, candidate, self.begun(candidate))
+
+    def leading(self: rank._Contest, tried: dict[int, Candidate]) -> list[int]:
+        return [k for k in tried if self.placed[k].effect.name == "spring"] or list(tried)
+
+    refitted_to_all = Refits.refitted
+    monkeypatch.setattr(Refits, "refitted", refit)
+    monkeypatch.setattr(rank._Contest, "_standing", leading)
+    fits = fits_of(push)
+    effects = [effect_of(name) for name in ("spring", "constant_offset")]
+    best, other = rank.rank(fits.bench, fits.base, effects, lambda _: None).candidates
+    assert (best.effect.effect.name, best.final) == ("constant_offset", True)
+    assert (other.effect.effect.name, other.fitted) == ("spring", False)
+
+
 def test_more_threads_change_no_fit(begun: tuple[Refits, Candidate, Begun]) -> None:
     refits, candidate, start = begun
     one, two = (refits.refitted(candidate, start, threads=count).fitted_model.fit for count in (1, 2))
@@ -249,48 +234,3 @@ def test_what_few_windows_leave_absent_is_begun_anew_in_all() -> None:
     for name, value, ended, absent in zip(space.names, begun.start.z, one_sided, space.nominal, strict=True):
         others = {other.get(name, ended) for other in found.effect.starts} if ended == absent else set[float]()
         assert value in {ended, *others}
-
-
-@dataclass
-class Foreseen:
-    """A fitter of which it is known how the costs fall: from absent, and from a further start."""
-
-    fit: Fit
-    absent: tuple[float, ...]
-    start: tuple[float, ...]
-
-    def go_on(self, there: Fit, goal: float) -> Fit:
-        del there, goal
-        return replace(self.fit, cost=self.absent[-1], costs=self.absent)
-
-    def begin(self, z: Array, delta: Array) -> Fit:
-        return replace(self.fit, z=z, delta=delta)
-
-    def run(
-        self, z: Array, delta: Array, known: object = None, iterations: int | None = None, goal: float = np.inf
-    ) -> Fit:
-        del known, goal
-        costs = self.start if iterations is None else self.start[: iterations + 1]
-        return replace(self.fit, z=z, delta=delta, cost=costs[-1], costs=costs)
-
-
-@pytest.mark.parametrize(
-    ("start", "noise", "best"),
-    [
-        pytest.param((90.0, 50.0, 40.0, 30.0, 19.0, 5.0, 1.0), False, 1.0, id="as fast as from absent"),
-        pytest.param((90.0, 50.0, 40.0, 30.0, 21.0, 5.0, 1.0), False, 9.0, id="slower"),
-        pytest.param((90.0, 50.0, 40.0, 30.0, 19.0, 18.0, 17.0), False, 9.0, id="as fast at first, and stuck"),
-        pytest.param((90.0, 50.0, 40.0, 30.0, 19.0, 5.0, 1.0), True, 9.0, id="nothing is left to gain"),
-    ],
-)
-def test_a_start_is_gone_on_with_that_is_as_low_as_the_fit_from_absent_was_after_as_many_steps(
-    start: tuple[float, ...], best: float, monkeypatch: pytest.MonkeyPatch, *, noise: bool
-) -> None:
-    """That fit is at 20 after four steps and ends at 9; what a start must be below is not that end."""
-    fits, effect = fits_of(rubbing), effect_of("coulomb_friction")
-    assert fits.bench.solver.start_iterations == 4
-    first = fits.look(effect)
-    first = replace(first, starts=(first.best,))
-    monkeypatch.setattr(CandidateFits, "_leaves_noise", lambda *_: noise)
-    fitter = Foreseen(first.absent, (100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 9.0), start)
-    assert fits._of_starts(cast(Any, fitter), effect, first, np.inf, first.absent).cost == best
