@@ -87,17 +87,47 @@ def prune(
         The steps that stay, refitted, and the labels of the effects that were dropped.
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
-        effect, whole = steps[place].effect, steps[-1].fitted_model
-        goal = beyond_doubt(deletions.bench, whole)
-        fewer, base = deletions.without(base, steps, place, goal)
-        without = fewer[-1].fitted_model if fewer else base
-        gain = paired_gain(without.held_out, whole.held_out, deletions.bench.evidence)
-        if not stays(gain, len(effect.parameters), deletions.bench.evidence):
-            if _ended_early(without, goal):
-                fewer, base = deletions.without(base, steps, place)
+        fewer, base, needed = _without(deletions, base, steps, place, stays)
+        if not needed:
             kept, dropped = prune(deletions, base, fewer, stays)
-            return kept, (effect.label, *dropped)
+            return kept, (steps[place].effect.label, *dropped)
     return steps, ()
+
+
+def _without(
+    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, stays: Rule
+) -> tuple[tuple[AddedEffect, ...], FittedModel, bool]:
+    """The steps without one of them, their base, and whether that one stays.
+
+    A fit that is given up tells that it stays; else the fit's end decides: short of it, the gain scatters from window
+    to window by where the fit was.
+    """
+    whole, count = steps[-1].fitted_model, len(steps[place].effect.parameters)
+    goal = beyond_doubt(deletions.bench, whole)
+    fewer, base = deletions.without(base, steps, place, goal)
+    if _gains(deletions, base, fewer, whole, count, stays):
+        return fewer, base, True
+    if not _ended_early(_last(base, fewer), goal):
+        return fewer, base, False
+    fewer, base = deletions.without(base, steps, place)
+    return fewer, base, _gains(deletions, base, fewer, whole, count, stays)
+
+
+def _gains(
+    deletions: Deletions,
+    base: FittedModel,
+    fewer: tuple[AddedEffect, ...],
+    whole: FittedModel,
+    count: int,
+    asked: Rule,
+) -> bool:
+    """Whether a model gains enough over fewer steps for so many parameters more."""
+    evidence = deletions.bench.evidence
+    return asked(paired_gain(_last(base, fewer).held_out, whole.held_out, evidence), count, evidence)
+
+
+def _last(base: FittedModel, steps: tuple[AddedEffect, ...]) -> FittedModel:
+    return steps[-1].fitted_model if steps else base
 
 
 def drop_absent(
@@ -144,7 +174,7 @@ def simplify(
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
     """
-    bench, whole = deletions.bench, steps[-1].fitted_model if steps else base
+    bench, whole = deletions.bench, _last(base, steps)
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
             swap = Swap(step.effect, reaching(poorer, step.effect))
@@ -163,14 +193,20 @@ def _weighed(swap: "Swap", bench: Bench, base: FittedModel, whole: FittedModel) 
     back, extra = swap.put_back(bench, whole), len(swap.richer.parameters) - len(swap.poorer.parameters)
     goal = beyond_doubt(bench, whole)
     simpler = swap.made(bench, base, whole, goal)
-    asked = asked_for(simpler, whole, back, extra, bench.evidence)
-    little = asked and closes_little(simpler, whole, bench.evidence)
-    hidden = asked and not little and hidden_by_step(bench, simpler, whole)
-    if asked and not little and not hidden:
-        return simpler, None
-    if _ended_early(simpler, goal):
+    found = _without_need(simpler, whole, back, extra, bench)
+    if found is not None and _ended_early(simpler, goal):
         simpler = swap.made(bench, base, whole)
-    return simpler, replace(back, little=little, hidden=hidden)
+        found = _without_need(simpler, whole, back, extra, bench)
+    return simpler, found
+
+
+def _without_need(simpler: FittedModel, whole: FittedModel, back: PutBack, extra: int, bench: Bench) -> PutBack | None:
+    """What is put back, with the reason; None where the logs ask for the richer model."""
+    if not asked_for(simpler, whole, back, extra, bench.evidence):
+        return back
+    little = closes_little(simpler, whole, bench.evidence)
+    hidden = not little and hidden_by_step(bench, simpler, whole)
+    return replace(back, little=little, hidden=hidden) if little or hidden else None
 
 
 def _stands(
@@ -183,9 +219,7 @@ def _stands(
 ) -> bool:
     """Whether a model with another effect at a place, of so many parameters, is supported over one with none there."""
     fewer, base = deletions.without(base, steps, place)
-    without = fewer[-1].fitted_model if fewer else base
-    evidence = deletions.bench.evidence
-    return supported(paired_gain(without.held_out, swapped.held_out, evidence), count, evidence)
+    return _gains(deletions, base, fewer, swapped, count, supported)
 
 
 def _put_back(
@@ -207,7 +241,7 @@ def plainer(
     Two effects may share what a single other one does: a tilt of the base pulls at every joint, where an offset pulls
     at one, and friction that differs by direction makes up for the next. The logs must not ask for the two.
     """
-    bench, whole = deletions.bench, steps[-1].fitted_model if steps else base
+    bench, whole = deletions.bench, _last(base, steps)
     rich = {place for place, step in enumerate(steps) if cases.of(step.effect, whole.model)}
     for place, rival in [(k, rival) for k, step in enumerate(steps) if rich - {k} for rival in step.rivals]:
         swapped = swap(bench, base, steps, place, rival)
