@@ -34,15 +34,20 @@ class LocalFit(NamedTuple):
 
 
 def local_polynomial(
-    signal: Signal, at: ArrayLike, half_width: float, until: ArrayLike = np.inf, degree: int = 3
+    signal: Signal,
+    at: ArrayLike,
+    half_width: float,
+    until: ArrayLike = np.inf,
+    degree: int = 3,
+    least: int | None = None,
 ) -> LocalFit:
     """Least-squares polynomial through the samples around each time, and its derivatives there.
 
     For each time s the coefficients c minimise Σ_i (y_i − Σ_k c_k (t_i − s)^k)² over the samples with
     |t_i − s| ≤ half_width and t_i ≤ until; the value is c_0, the slope c_1 and the curvature 2 c_2. Where that leaves
-    fewer than 2 · degree samples (gaps, ends, low rates) the nearest 2 · degree are taken, or as many as there are: as
-    many as coefficients would go through the noise. A polynomial signal up to the degree is reproduced exactly, at the
-    ends as well.
+    fewer than `least` samples (gaps, ends, low rates) the nearest `least` are taken, or as many as there are: as many
+    as coefficients would go through the noise. A polynomial signal up to the degree is reproduced exactly, at the ends
+    as well.
 
     Args:
         signal: samples, at least degree + 1 of them; a vector signal is fitted column by column.
@@ -51,6 +56,7 @@ def local_polynomial(
         until: no sample after this time in s is used, so that a start can be estimated from the past alone; a number
             or one for each time.
         degree: of the polynomial, ≥ 1.
+        least: number of samples, more than the degree; None takes 2 · degree.
 
     Returns:
         The fit at each time, shapes as `at`.
@@ -64,8 +70,9 @@ def local_polynomial(
     flat, last = (np.ravel(part) for part in np.broadcast_arrays(times, np.asarray(until, dtype=np.float64)))
     usable = np.searchsorted(signal.time, last, side="right")
     _require_samples(signal, usable, last, degree)
+    fewest = 2 * degree if least is None else least
     blocks = [
-        _solve(signal.time, signal.value, flat[i : i + _BLOCK], usable[i : i + _BLOCK], half_width, degree)
+        _solve(signal, flat[i : i + _BLOCK], usable[i : i + _BLOCK], half_width, degree, fewest)
         for i in range(0, max(len(flat), 1), _BLOCK)
     ]
     joined = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
@@ -82,8 +89,9 @@ def _require_samples(signal: Signal, usable: Indices, last: Array, degree: int) 
         )
 
 
-def _solve(time: Array, value: Array, at: Array, usable: Indices, half_width: float, degree: int) -> LocalFit:
-    low, high = _windows(time, at, usable, half_width, 2 * degree)
+def _solve(signal: Signal, at: Array, usable: Indices, half_width: float, degree: int, least: int) -> LocalFit:
+    time, value = signal.time, signal.value
+    low, high = _windows(time, at, usable, half_width, least)
     index = low[:, None] + np.arange(int((high - low).max()))
     inside = index < high[:, None]
     index = np.minimum(index, len(time) - 1)

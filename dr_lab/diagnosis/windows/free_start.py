@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.channels import Channel, available
-from dr_lab.diagnosis.windows.local_fits import vectors
+from dr_lab.diagnosis.windows.local_fits import reaches, vectors
 from dr_lab.diagnosis.windows.orientations import of_the_body, turn_between, turning
 from dr_lab.diagnosis.windows.start_prior import StartPrior
 from dr_lab.trajectory import Array, Log, Noise
@@ -116,19 +116,19 @@ def place_by_sensors(
     settings: WindowSettings,
 ) -> None:
     """Write a free body's orientation, place and velocities into the prior, as far as sensors show them."""
-    widths = (settings.smoother, settings.smoother / 2)
+    wide_and_narrow = reaches(settings)
     if body.orientation:
         mount, turn = body.orientation, body.orientation.turn
         wide, narrow = (
-            turning(*(of_the_body(part, turn) for part in vectors(logs, mount.channel, begins, width, settings)))
-            for width in widths
+            turning(*(of_the_body(part, turn) for part in vectors(logs, mount.channel, begins, reach, settings)))
+            for reach in wide_and_narrow
         )
         error = 2.0 * noise[mount.channel.name].std  # a turn by φ moves a unit quaternion by φ/2
         missed = turn_between(narrow[0], wide[0]), wide[1] - narrow[1]
         _write(prior, (body.address + 3, body.dof + 3), wide, missed, error, settings)
     if body.position:
         mount = body.position
-        wide, narrow = (vectors(logs, mount.channel, begins, width, settings) for width in widths)
+        wide, narrow = (vectors(logs, mount.channel, begins, reach, settings) for reach in wide_and_narrow)
         missed, error = (wide[0] - narrow[0], wide[1] - narrow[1]), noise[mount.channel.name].std
         arm = _arm(prior, body, mount.place)
         wide = tuple(part - away for part, away in zip(wide, arm, strict=True))

@@ -117,10 +117,10 @@ def estimate_starts(
     """Local polynomials through the measured positions give every window's initial state.
 
     The prior's standard deviation is `prior_scale` times the larger of two errors: the noise (for a velocity divided
-    by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes at half
-    the width (root mean square over the windows). A joint whose velocity alone is measured takes that; a free body is
-    placed by the sensors of its frame, and on the ground if it stays there. Joints without a channel start where
-    closed chains ask for it, or else at the model's reference.
+    by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes when it is
+    narrower (root mean square over the windows; `local_fits.reaches`). A joint whose velocity alone is measured takes
+    that; a free body is placed by the sensors of its frame, and on the ground if it stays there. Joints without a
+    channel start where closed chains ask for it, or else at the model's reference.
 
     Returns:
         The prior of all windows, in the order of `begins`.

@@ -43,6 +43,18 @@ def test_what_a_polynomial_misses_widens_the_prior() -> None:
     assert wild.std[1] > 10 * gentle.std[1]
 
 
+@pytest.mark.parametrize("rate", [25.0, 50.0, 100.0, 500.0])
+def test_starts_are_as_well_known_as_the_prior_says_whatever_the_rate(rate: float) -> None:
+    speed, settings = 12.0, windows_settings(seconds=20.0)
+    time = np.arange(0.0, 20.0, 1 / rate)
+    one = Log("a", {"hinge.position": Signal("hinge.position", "", time, np.sin(speed * time))}, {})
+    found = windows(one, settings)
+    missed = found.prior.qpos[:, 0] - np.sin(speed * found.begin)
+    astray = found.prior.qvel[:, 0] - speed * np.cos(speed * found.begin)
+    assert np.sqrt((missed**2).mean()) < found.prior.std[0]
+    assert np.sqrt((astray**2).mean()) < found.prior.std[1]
+
+
 @pytest.mark.parametrize("smoother", [0.03, 0.3])
 def test_no_later_sample_is_known_at_a_predicted_start(smoother: float) -> None:
     settings = predicted_settings(smoother=smoother, seconds=0.9)
