@@ -13,6 +13,8 @@ Indices = NDArray[np.intp]
 
 # Windows solved at once; bounds the memory of long signals and changes no result.
 _BLOCK = 4096
+_RIDGE = 1e-14  # of the scaled normal equations, which samples on one side of a long gap leave singular to rounding
+_AMPLIFIED = 2.0  # noise of a sample; between samples four that a cubic goes through give 1.04, a gap soon hundreds
 
 
 class LocalFit(NamedTuple):
@@ -47,7 +49,8 @@ def local_polynomial(
     |t_i − s| ≤ half_width and t_i ≤ until; the value is c_0, the slope c_1 and the curvature 2 c_2. Where that leaves
     fewer than `least` samples (gaps, ends, low rates) the nearest `least` are taken, or as many as there are: as many
     as coefficients would go through the noise. A polynomial signal up to the degree is reproduced exactly, at the ends
-    as well.
+    as well. In a gap, where it makes more of the noise than `_AMPLIFIED`, a straight line between the gap's ends takes
+    its place.
 
     Args:
         signal: samples, at least degree + 1 of them; a vector signal is fitted column by column.
@@ -75,8 +78,9 @@ def local_polynomial(
         _solve(signal, flat[i : i + _BLOCK], usable[i : i + _BLOCK], half_width, degree, fewest)
         for i in range(0, max(len(flat), 1), _BLOCK)
     ]
-    joined = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
-    return LocalFit(*(part.reshape(times.shape + part.shape[1:]) for part in joined))
+    joined = LocalFit(*(np.concatenate(parts) for parts in zip(*blocks, strict=True)))
+    found = _bridged(joined, signal, flat, usable)
+    return LocalFit(*(part.reshape(times.shape + part.shape[1:]) for part in found))
 
 
 def _require_samples(signal: Signal, usable: Indices, last: Array, degree: int) -> None:
@@ -100,7 +104,7 @@ def _solve(signal: Signal, at: Array, usable: Indices, half_width: float, degree
     scale = np.abs(offset).max(axis=1)
     powers = np.arange(degree + 1)
     basis = polyvander(offset / scale[:, None], degree) * inside[..., None]  # its products take far less than powers
-    inverse = np.linalg.inv(np.swapaxes(basis, 1, 2) @ basis)
+    inverse = np.linalg.inv(np.swapaxes(basis, 1, 2) @ basis + _RIDGE * np.eye(degree + 1))
     samples = value[index].reshape(*index.shape, -1)
     coefficients = inverse @ (np.swapaxes(basis, 1, 2) @ samples)
     gains = np.sqrt(np.diagonal(inverse, axis1=1, axis2=2)) / scale[:, None] ** powers
@@ -113,6 +117,27 @@ def _solve(signal: Signal, at: Array, usable: Indices, half_width: float, degree
         value_gain=gains[:, 0],
         slope_gain=gains[:, 1],
     )
+
+
+def _bridged(fit: LocalFit, signal: Signal, at: Array, usable: Indices) -> LocalFit:
+    """The fit, with straight lines between the samples on either side of those times at which it tells too little."""
+    after = np.clip(np.searchsorted(signal.time, at), 1, len(signal) - 1)
+    first, last = signal.time[after - 1], signal.time[after]
+    gap = (fit.value_gain > _AMPLIFIED) & (first <= at) & (at <= last) & (after < usable)
+    if not gap.any():
+        return fit
+    after, wait, share = after[gap], (last - first)[gap], ((at - first) / (last - first))[gap]
+    rise, column = signal.value[after] - signal.value[after - 1], (-1,) + (1,) * (signal.value.ndim - 1)
+    line = LocalFit(
+        value=signal.value[after - 1] + share.reshape(column) * rise,
+        slope=rise / wait.reshape(column),
+        curvature=np.zeros_like(rise),
+        value_gain=np.hypot(share, 1.0 - share),
+        slope_gain=np.sqrt(2.0) / wait,
+    )
+    for part, straight in zip(fit, line, strict=True):
+        part[gap] = straight
+    return fit
 
 
 def _windows(time: Array, at: Array, usable: Indices, half_width: float, least: int) -> tuple[Indices, Indices]:

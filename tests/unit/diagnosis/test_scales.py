@@ -35,6 +35,18 @@ def test_a_swinging_pendulum_has_the_scales_of_its_closed_forms() -> None:
     assert found.command == {"drive": pytest.approx(3.0)}
 
 
+@pytest.mark.parametrize("hole", [0.2, 1.0, 3.0])
+def test_a_hole_in_a_log_makes_no_scale_larger(hole: float) -> None:
+    seen = np.abs(TIME - 2.1 - hole / 2) > hole / 2
+    noisy = swing() + 1e-3 * np.random.default_rng(0).normal(size=len(TIME))
+    one = log_of("a", {"hinge.position": (TIME[seen], noisy[seen])})
+    whole = machine_scales(pendulum().nominal(), [log(hinge_position=noisy)], 0.03)
+    found = machine_scales(pendulum().nominal(), [one], 0.03)
+    assert found.position["hinge"] <= 1.01 * whole.position["hinge"]
+    assert 0.5 * whole.speed["hinge"] < found.speed["hinge"] <= 1.01 * whole.speed["hinge"]
+    assert 0.5 * whole.torque["hinge"] < found.torque["hinge"] <= 1.05 * whole.torque["hinge"]
+
+
 def test_all_logs_count_and_a_missing_command_is_none() -> None:
     found = machine_scales(
         pendulum().nominal(), [log(hinge_position=swing()), log(hinge_position=3 + 2 * swing())], 0.03

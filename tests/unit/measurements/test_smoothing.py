@@ -88,3 +88,18 @@ def test_few_samples_are_not_gone_through() -> None:
     assert float(local_polynomial(Signal("q", "rad", time[:5], noise[:5]), 0.2, 0.01).value) == pytest.approx(
         np.polynomial.Polynomial.fit(time[:5], noise[:5], 3)(0.2)
     )
+
+
+@pytest.mark.parametrize("until", [np.inf, 3.0])
+def test_a_straight_line_bridges_a_gap(until: float) -> None:
+    """Cubics through the milliseconds beside a gap tell nothing of its middle, and are singular where it is long."""
+    time = np.concatenate([np.arange(0.0, 1.0, 0.002), np.arange(3.0, 4.0, 0.002)])
+    value = np.stack([np.sin(time), np.cos(time)], axis=1)
+    at = np.linspace(1.01, 2.99, 41)
+    fit = local_polynomial(Signal("q", "rad", time, value + 1e-3 * np.cos(1e4 * time)[:, None]), at, 0.03, until)
+    line = np.stack([np.interp(at, time, column) for column in value.T], axis=1)
+    np.testing.assert_allclose(fit.value, line, atol=2e-3)
+    np.testing.assert_allclose(
+        fit.slope, np.tile(np.diff(value[499:501], axis=0) / (3.0 - time[499]), (41, 1)), atol=2e-3
+    )
+    assert (fit.value_gain <= 1).all()
