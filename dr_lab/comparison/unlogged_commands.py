@@ -76,15 +76,14 @@ def _left(model: Model, measured: MeasurementSet, settings: ComparisonSettings) 
 
 
 def _told(name: str, measured: MeasurementSet, held: float, straight: float) -> str:
-    log = next(log for log in (*measured.fit, *measured.held_out) if name in log.commands)
-    wait = log.commands[name].wait
+    wait = max(log.commands[name].wait for log in (*measured.fit, *measured.held_out) if name in log.commands)
     scored = "held-out logs" if measured.held_out else "logs"
     return (
-        f"{name}: what was sent between its samples, {1e3 * wait:.3g} ms apart, is not logged. It is read as going "
-        f"straight from one to the next, which the calibrated model explains better than held commands (χ² "
-        f"{straight:.3g} instead of {held:.3g} on the {scored}), and what that misses is estimated in every window. A "
-        f"shift in time below {1e3 * wait:.3g} ms is not told from none. +measurements.commands.{name}.between=hold "
-        "reads it as held."
+        f"{name}: what was sent between its samples, {1e3 * wait:.3g} ms apart where they are rarest, is not logged. "
+        "It is read as going straight from one to the next, which the calibrated model explains better than held "
+        f"commands (χ² {straight:.3g} instead of {held:.3g} on the {scored}), and what that misses is estimated in "
+        f"every window. A shift in time below {1e3 * wait:.3g} ms is not told from none. "
+        f"+measurements.commands.{name}.between=hold reads it as held."
     )
 
 

@@ -61,6 +61,18 @@ def test_lines_that_explain_more_are_taken_and_told() -> None:
         assert "measurements.commands.drive.between=hold" in note.message
 
 
+def test_the_rarest_samples_say_which_shift_is_not_told() -> None:
+    rare = comparison()
+    logs = rare.measurements.fit[0], rare.measurements.held_out[0]
+    sent = logs[0].commands["drive"]
+    often = np.arange(sent.time[0], sent.time[-1], 0.004)
+    dense = replace(sent, time=often, value=np.interp(often, sent.time, sent.value))
+    mixed = replace(rare.measurements, fit=(replace(logs[0], commands={"drive": dense}),))
+    (note,) = with_lines(replace(rare, measurements=mixed), FAULTS).measurements.fit[0].notes
+    assert "40 ms apart" in note.message
+    assert "below 40 ms" in note.message
+
+
 def test_commands_that_held_stay_held_whatever_is_suspected() -> None:
     assert with_lines(comparison(held), FAULTS) is comparison(held)
 
