@@ -214,7 +214,8 @@ def laws(found: Sequence[LawCheck]) -> tuple[LawEntry, ...]:
 def remaining(score: Score, evidence: EvidenceSettings) -> RemainingEntry:
     """What the last model leaves; `coloured` is noise of the instruments that is larger than the sensors' white one."""
     quiet = at_floor(score, evidence)
-    coloured = quiet and score.chi2 > noise_floor(score.freedom, evidence)
+    beyond = quiet and score.chi2 > noise_floor(score.freedom, evidence)
+    coloured = beyond and any(channel.instrumental for channel in score.channels.values())
     return RemainingEntry("at_floor" if quiet else "unexplained", score.chi2, coloured)
 
 
