@@ -26,6 +26,7 @@ from dr_lab.reports.quantity import uncertain
 from dr_lab.trajectory import MeasurementSet, Note
 
 DISAGREEING = "disagreeing_logs"
+_NAMED = 6  # logs
 
 
 def study_notes(study: Study) -> list[NoteEntry]:
@@ -37,6 +38,7 @@ def study_notes(study: Study) -> list[NoteEntry]:
         *_chain_note(study),
         *silent_notes(study.compiled, study.measurements),
         *_split_note(study.measurements),
+        *_short_note(study),
         *_data_notes(study.measurements),
     ]
 
@@ -253,6 +255,21 @@ def _split_note(measured: MeasurementSet) -> list[NoteEntry]:
         return []
     message = "No log is held out: all scores are on the fit logs, which flatter what is fitted to them."
     return [NoteEntry(message, "no_held_out")]
+
+
+def _short_note(study: Study) -> list[NoteEntry]:
+    """Note on logs in which no window has room, which neither fit nor score."""
+    measured, settings = study.measurements, study.settings.windows
+    used = {*study.bench.fit.logs, *study.bench.held_out.logs}
+    short = [log.name for log in (*measured.fit, *measured.held_out) if log.name not in used]
+    if not short:
+        return []
+    named = ", ".join([*short[:_NAMED], f"{len(short) - _NAMED} more"] if len(short) > _NAMED else short)
+    message = (
+        f"{named} took no part: a window of {settings.length + settings.run_in + 2 * settings.margin:.3g} s without a "
+        f"gap, behind {settings.past:g} s of commands, has no room there. Shorten windows.length, or give longer logs."
+    )
+    return [NoteEntry(message, "no_window", count=len(short))]
 
 
 def _data_notes(measured: MeasurementSet) -> list[NoteEntry]:

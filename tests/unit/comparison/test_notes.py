@@ -76,6 +76,14 @@ def test_a_fit_without_its_certificate_is_told_with_what_helps(told: str, remedy
     assert remedy in note.message
 
 
+def test_a_log_without_room_for_a_window_is_told() -> None:
+    logs = [swinging(f"log_{k}", pendulum().nominal(), k, seconds=0.25 if k == 1 else 3.0) for k in range(3)]
+    notes = study_notes(prepare(short_comparison(pendulum(), measured(logs[:2], logs[2:]))))
+    (note,) = [note for note in notes if note.kind == "no_window"]
+    assert note.message.startswith("log_1 took no part: a window of 0.34 s without a gap")
+    assert not [note for note in study_notes(study()) if note.kind == "no_window"]
+
+
 @pytest.mark.parametrize("commanded", [True, False])
 def test_an_actuator_without_a_command_is_told_before_anything_is_fitted(*, commanded: bool) -> None:
     log = swinging("log_0", pendulum().nominal(), 0)
