@@ -10,7 +10,7 @@ from dr_lab.comparison.study import Study
 from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
-from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, beyond_white
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.evidence.trade import trades
 from dr_lab.diagnosis.fit import trust
@@ -214,9 +214,7 @@ def laws(found: Sequence[LawCheck]) -> tuple[LawEntry, ...]:
 def remaining(score: Score, evidence: EvidenceSettings) -> RemainingEntry:
     """What the last model leaves; `coloured` is noise of the instruments that is larger than the sensors' white one."""
     quiet = at_floor(score, evidence)
-    beyond = quiet and score.chi2 > noise_floor(score.freedom, evidence)
-    coloured = beyond and any(channel.instrumental for channel in score.channels.values())
-    return RemainingEntry("at_floor" if quiet else "unexplained", score.chi2, coloured)
+    return RemainingEntry("at_floor" if quiet else "unexplained", score.chi2, quiet and beyond_white(score, evidence))
 
 
 def _own(candidate: Candidate, study: Study) -> Parameters:

@@ -46,3 +46,12 @@ def channel_at_floor(channel: ChannelScore, settings: EvidenceSettings) -> bool:
     """The same of one channel."""
     floor = noise_floor(float(channel.window_count.sum()) / channel.colour, settings)
     return channel.instrumental or channel.chi2 <= floor
+
+
+def beyond_white(score: Score, settings: EvidenceSettings) -> bool:
+    """Whether what passes for noise is larger than the sensors' white one, and is such as instruments make.
+
+    Few residuals may also be larger by chance.
+    """
+    larger = score.chi2 > noise_floor(score.freedom, settings)
+    return larger and any(channel.instrumental for channel in score.channels.values())

@@ -6,7 +6,7 @@ from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.likelihood import less_likely
-from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, beyond_white, noise_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.candidate import Candidate
@@ -125,7 +125,7 @@ def _reason(
         left = ", ".join(f"{c.effect.label} (mean χ² {number(c.fitted_model.held_out.chi2)})" for c in group)
         return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
-    coloured = base.held_out.chi2 > floor  # such as instruments make
+    coloured = beyond_white(base.held_out, settings)
     place = "at the floor of the sensors' coloured noise" if coloured else "at the noise floor"
     place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else place
     lost, every = base.held_out.infeasible, len(base.held_out.window_count)

@@ -97,9 +97,16 @@ def test_what_leaves_coloured_noise_of_the_instruments_need_not_explain_a_part_o
     assert decide(base, [candidate(base, "coulomb_friction", left, CLEAR)], SETTINGS).kind == kind
 
 
-@pytest.mark.parametrize(("level", "words"), [(1.0, "at the noise floor"), (20.0, "the sensors' coloured noise")])
-def test_the_floor_of_coloured_noise_is_told_as_such(level: float, words: str) -> None:
-    verdict = decide(model(with_channel(score(level), noise=True)), [], SETTINGS)
+@pytest.mark.parametrize(
+    ("level", "noise", "words"),
+    [
+        (1.0, True, "at the noise floor"),
+        (20.0, True, "the sensors' coloured noise"),
+        (1.05, False, "at the noise floor"),
+    ],
+)
+def test_the_floor_of_coloured_noise_is_told_as_such(*, level: float, noise: bool, words: str) -> None:
+    verdict = decide(model(with_channel(score(level), noise=noise)), [], SETTINGS)
     assert verdict.kind == "none"
     assert words in verdict.reason
 
