@@ -1,13 +1,20 @@
 """Where configuration and examples lie; imports nothing heavy, so that `dr-lab --help` answers at once."""
 
 import glob
-from collections.abc import Sequence
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 from dr_lab import shipped as beside
 from dr_lab.errors import ConfigError, UnknownNameError
 
 PACKAGE = beside.PACKAGE
+
+_NAMED = re.compile(r"\$\{conf:([^${}]+)\}")
 
 
 def shipped() -> Path:
@@ -74,6 +81,27 @@ def find(folders: Sequence[Path], relative: str) -> str:
     }
     unknown = UnknownNameError("configuration file", relative, beside, " or ".join(map(str, folders)))
     raise ConfigError(f"{unknown} {_own(relative)}")
+
+
+def own_files(configuration: Mapping[str, Any], folders: Sequence[Path]) -> dict[str, str]:
+    """The files that ``${conf:…}`` finds in the user's own folders, each with the hash of what it holds.
+
+    Args:
+        configuration: as composed, interpolations unresolved.
+        folders: the user's, first searched first.
+    """
+    hashes: dict[str, str] = {}
+    for relative in _NAMED.findall(json.dumps(configuration, ensure_ascii=False, default=str)):
+        path = next((path for folder in folders if (path := folder / relative).is_file()), None)
+        if path is not None:
+            hashes[relative] = _hash(path, path.stat().st_mtime_ns)
+    return hashes
+
+
+@cache
+def _hash(path: Path, _: int) -> str:
+    """Of a file's content, read again where its time of change is another: each job of a sweep asks."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _own(relative: str) -> str:

@@ -17,7 +17,9 @@ from hydra.core.utils import JobStatus
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict
 
+from dr_lab.bounds import Positive
 from dr_lab.cli.arguments import COMMAND_LINE_KEYS
+from dr_lab.cli.folders import own_files
 from dr_lab.cli.overrides import composed
 from dr_lab.cli.task import Task
 from dr_lab.errors import ConfigError, DrLabError
@@ -33,7 +35,8 @@ class Composed:
     Attributes:
         overrides: that make its configuration.
         cfg: its configuration with Hydra's node.
-        identity: `identity_of` its configuration without it, and without what says where results go.
+        identity: `identity_of` its configuration without it and without what says where results go, and of the files
+            of the user's own that it names.
     """
 
     overrides: tuple[str, ...]
@@ -63,7 +66,7 @@ class DrLabSweeper(BasicSweeper):
     option: ClassVar[str]
 
     def __init__(
-        self, params: Mapping[str, Any] | None, fail_fast: bool, refresh: float, columns: Sequence[str] = ()
+        self, params: Mapping[str, Any] | None, fail_fast: bool, refresh: Positive, columns: Sequence[str] = ()
     ) -> None:
         super().__init__(max_batch_size=None, params=dict(params or {}))
         self.fail_fast, self.refresh, self.columns = fail_fast, refresh, columns
@@ -117,7 +120,10 @@ class DrLabSweeper(BasicSweeper):
         values = OmegaConf.to_container(_without_hydra(cfg), resolve=False)
         assert isinstance(values, dict)
         kept = {str(key): value for key, value in values.items() if key not in COMMAND_LINE_KEYS}
-        return Composed(tuple(spelt), cfg, identity_of(kept))
+        assert self.task is not None
+        # The same names may stand for other files: another --config-dir, or another content.
+        own = own_files(kept, self.task.folders[:-1])
+        return Composed(tuple(spelt), cfg, identity_of(kept | own))
 
     def check(self, jobs: Sequence[Composed]) -> None:
         """Check the configurations of all jobs.

@@ -15,8 +15,8 @@ from dr_lab.sweeps.table import TABLE_FILE, statuses
 class ResumeSweeper(DrLabSweeper):
     """Every combination of the given values, one job each.
 
-    A job is known by the hash of its configuration. It keeps its number and its folder, and once completed it is never
-    run again. Values that are given later join under the next numbers.
+    A job is known by the hash of its configuration and of the user's own files that this names. It keeps its number
+    and its folder, and once completed it is never run again. Values that are given later join under the next numbers.
     """
 
     option = "resume"

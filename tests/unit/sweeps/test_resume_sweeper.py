@@ -42,6 +42,20 @@ def test_the_same_command_finds_its_sweep_and_more_values_join(
     assert {number: completed(swept)[number] for number in done} == done
 
 
+def test_other_files_of_the_same_name_make_other_jobs(sweep: Sweep, sweeps: Sweeps) -> None:
+    """A model of another folder, or one that was edited since, is not what was completed."""
+    for folder in ("one", "two"):
+        (sweeps.home / folder).mkdir()
+        (sweeps.home / folder / "a machine.xml").write_text(folder)
+    done = []
+    for folder, edited in [("one", ""), ("two", ""), ("one", ""), ("one", "more")]:
+        if edited:
+            (sweeps.home / folder / "a machine.xml").write_text(edited)
+        assert sweep("--config-dir", folder, "value=1", "trouble=${conf:a machine.xml}") == 0
+        done.append(len(completed(sweeps.home / "swept")))
+    assert done == [1, 2, 2, 3]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("place", ["hydra.sweep.dir={}/swept", "outputs={} hydra.sweep.dir='${{outputs}}/swept'"])
 @pytest.mark.parametrize("folder", ["beside/../there", "link/there", "link/../there", "{home}/link/../there"])
