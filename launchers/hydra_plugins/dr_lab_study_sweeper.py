@@ -8,6 +8,7 @@ import yaml
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra_plugins._dr_lab_sweeper import DrLabSweeper
 
+from dr_lab.bounds import Count, Natural, Positive
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.files import write_text
 from dr_lab.sweeps.job_folder import FINAL, Status
@@ -51,14 +52,14 @@ class StudySweeper(DrLabSweeper):
         params: Mapping[str, Any] | None,
         objective: Sequence[str],
         directions: Sequence[str],
-        n_trials: int,
-        at_once: int,
-        seed: int,
+        n_trials: Count,
+        at_once: Count,
+        seed: Natural,
         sampler: "Callable[..., BaseSampler]",
         pruner: "BasePruner | None",
         prune_on: str | None,
         fail_fast: bool,
-        refresh: float,
+        refresh: Positive,
     ) -> None:
         super().__init__(params, fail_fast, refresh, columns=tuple(objective))
         self.objective, self.directions = tuple(objective), tuple(directions)
@@ -68,8 +69,6 @@ class StudySweeper(DrLabSweeper):
             raise ConfigError(f"A study needs a direction for each objective; got {given} (hydra.sweeper).")
         for direction in set(self.directions) - set(DIRECTIONS):
             raise UnknownNameError("direction", direction, DIRECTIONS, "hydra.sweeper.directions")
-        if seed < 0:
-            raise ConfigError(f"hydra.sweeper.seed is {seed}; expected 0 or a positive number.")
         if pruner is not None and (len(self.objective) > 1 or prune_on is None):
             raise ConfigError("hydra.sweeper.pruner needs a single objective, and prune_on, the figure it judges by.")
 
