@@ -5,6 +5,7 @@ An experiment or a run folder of someone else's may set it, too.
 
 import inspect
 import logging
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
@@ -62,6 +63,7 @@ def checked_at_composition() -> Iterator[None]:
             cfg = load(self, config_name, overrides, run_mode, from_shell, validate_sweep_overrides)
         if validate_sweep_overrides:  # else what is wrong is dropped
             check_hydra(cfg)
+            _expand_home(cfg)
         return cfg
 
     ConfigLoaderImpl.load_configuration = checked
@@ -97,6 +99,15 @@ def check_hydra(cfg: DictConfig) -> None:
             _check_stock(value)
     for part in LOGS:
         _check_logging(cfg.hydra[part], f"hydra.{part}")
+
+
+def _expand_home(cfg: DictConfig) -> None:
+    """Let ``~`` in the folders of results be the user's home, as in every other folder that is given."""
+    for node, key in ((cfg, "outputs"), (cfg.hydra.run, "dir"), (cfg.hydra.sweep, "dir")):
+        given = OmegaConf.to_container(OmegaConf.masked_copy(node, [key]), resolve=False)
+        assert isinstance(given, dict)
+        if str(given.get(key, "")).startswith("~"):
+            node[key] = os.path.expanduser(given[key])
 
 
 def _plain(cfg: DictConfig, part: str) -> object:

@@ -104,6 +104,24 @@ def test_two_runs_never_share_a_folder(dr_lab: CommandLine) -> None:
     assert [call["run_dir"].name for call in dr_lab.calls] == ["mine", "mine_2", "mine_3"]
 
 
+@pytest.mark.parametrize(
+    ("typed", "place"),
+    [
+        ("hydra.run.dir='~/mine'", "mine"),
+        ("outputs='~/mine'", "mine/compare/*/*"),
+        ("-m seed=1 hydra.sweep.dir='~/mine'", "mine/0"),
+        ("-m seed=1 outputs='~/mine'", "mine/multirun/compare/*/0"),
+    ],
+)
+def test_results_lie_below_the_home_that_a_tilde_names(
+    dr_lab: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, typed: str, place: str
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert dr_lab("compare", *typed.split()) == 0
+    assert [path.name for path in tmp_path.glob(f"{place}/config.yaml")] == ["config.yaml"]
+    assert not Path("~").exists()
+
+
 def test_effect_selects_the_yaml_and_effect_joint_its_site(dr_lab: CommandLine) -> None:
     assert dr_lab("add", "effect=rust", "effect.joint=arm") == 0
     assert list(dr_lab.calls[0]["effects"]) == ["rust"]
