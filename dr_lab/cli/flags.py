@@ -1,6 +1,7 @@
 """Flags that neither dr_lab nor Hydra knows, told before Hydra prints its usage at them."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NoReturn
 
 from hydra._internal.utils import get_args_parser
@@ -31,6 +32,19 @@ def require_known_flags(arguments: Sequence[str], verb: str) -> None:
         name = word.partition("=")[0]
         if name.lstrip("-") != name:
             raise UnknownNameError("flag", name, flags, f"dr-lab {verb} (settings have no dashes: key=value)")
+
+
+def values_of_flags(arguments: Sequence[str]) -> set[int]:
+    """Where among a command's arguments the values of flags stand, such as ``job`` behind ``--cfg``.
+
+    Args:
+        arguments: what follows the verb.
+    """
+    taking = {
+        name: action for action in get_args_parser()._actions if action.nargs != 0 for name in action.option_strings
+    }
+    found = ((at, taking[flag], word) for at, (flag, word) in enumerate(pairwise(arguments), 1) if flag in taking)
+    return {at for at, action, word in found if action.nargs is None or word in (action.choices or ())}
 
 
 def runs_jobs(arguments: Sequence[str]) -> bool:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import yaml
 
+from dr_lab.cli.flags import values_of_flags
 from dr_lab.cli.groups import LOADER
 
 KEY = "positional"  # of a root configuration: the keys whose names may be left out, in order
@@ -40,14 +41,16 @@ def spelt_out(verb: str, arguments: Sequence[str], folders: Sequence[Path]) -> l
         folders: configuration folders, first searched first.
     """
     keys = positional(verb, folders)
-    words = [word for word in arguments if is_plain(word)] if keys else []
-    if not words:
+    if not keys:
         return list(arguments)
+    of_flags = values_of_flags(arguments)
+    told_apart = [(word, at not in of_flags and is_plain(word)) for at, word in enumerate(arguments)]
+    words = [word for word, plain in told_apart if plain]
     first, last = words[: len(keys) - 1], words[len(keys) - 1 :]
     given = [f"{key}={_quoted(word)}" for key, word in zip(keys, first, strict=False)]
     if last:
         given.append(f"{keys[-1]}=[{','.join(map(_quoted, last))}]")
-    return [*given, *(word for word in arguments if not is_plain(word))]
+    return [*given, *(word for word, plain in told_apart if not plain)]
 
 
 def is_plain(word: str) -> bool:

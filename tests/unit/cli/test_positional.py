@@ -27,6 +27,8 @@ def test_words_become_the_keys_of_the_verb() -> None:
         "--resolve",
     ]
     assert spelt_out("init", ["two.xml"], FOLDERS) == ['robot="two.xml"']
+    flags = ["--cfg", "job", "-p", "folder", "--info"]
+    assert spelt_out("init", [*flags, "two.xml", "job"], FOLDERS) == ['robot="two.xml"', 'logs=["job"]', *flags]
     assert spelt_out("close", ["two.xml"], FOLDERS) == ["two.xml"]
 
 
