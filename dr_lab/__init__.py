@@ -14,6 +14,11 @@ __all__ = ["Comparison", "__version__", "evaluate", "load_controller", "record",
 _OF_NOTEBOOKS = {"Comparison": "NotebookComparison", "evaluate": "evaluate", "record": "record", "train": "train"}
 
 
+def __dir__() -> list[str]:
+    """What a notebook offers to complete."""
+    return sorted({*globals(), *__all__})
+
+
 def __getattr__(name: str) -> object:
     """Import what notebooks and control loops use when it is first asked for, so that ``import dr_lab`` stays light."""
     if name in _OF_NOTEBOOKS:

@@ -6,20 +6,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from omegaconf import OmegaConf
+from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.arguments import arguments_of
 from dr_lab.cli.compose import compose_from
-from dr_lab.cli.folders import shipped
+from dr_lab.cli.explain import raised_plainly
+from dr_lab.cli.folders import shipped, split_config_dir
 from dr_lab.cli.groups import defaults_of
-from dr_lab.cli.job import Job, build
+from dr_lab.cli.job import Job, build, claim
 from dr_lab.cli.provenance import write_config
 from dr_lab.cli.threads import algebra_on_one_thread
 from dr_lab.comparison.comparison import Comparison
+from dr_lab.errors import ConfigError
 from dr_lab.recorders.look import Look
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.train import TrainReport
+from dr_lab.run_command import CONFIG_FILE
 
 _OWN = ("comparison", "recorder")  # arguments of the verbs that do not come from their configuration
 
@@ -51,7 +54,7 @@ class NotebookComparison(Comparison):
 
     @classmethod
     def load(
-        cls, model: str, measurements: str, *overrides: str, config_dir: Path | None = None
+        cls, model: str, measurements: str, *overrides: str, config_dir: Path | str | None = None
     ) -> "NotebookComparison":
         """Load model and logs by name, with the default settings.
 
@@ -62,26 +65,26 @@ class NotebookComparison(Comparison):
             config_dir: folder with the user's own groups, searched first.
 
         Raises:
-            ConfigError: the configuration does not fit.
-            hydra.errors.ConfigCompositionException: an override names nothing.
+            ConfigError: the configuration does not fit, or an override names nothing.
             DataError: the logs cannot be read.
         """
         folders = _folders(config_dir)
-        typed = (f"model={model}", f"measurements={measurements}", *overrides)
-        cfg = compose_from(folders, "compare", typed)
-        built = arguments_of("compare", cfg, folders)[1]
+        typed = _texts((f"model={model}", f"measurements={measurements}", *overrides))
+        with raised_plainly("compare", folders):
+            built = arguments_of("compare", compose_from(folders, "compare", typed), folders)[1]
         loaded: Comparison = built["comparison"]
         return cls(loaded.model, loaded.measurements, loaded.settings, built["recorder"], folders, typed, loaded)
 
-    def compare(self, run_dir: Path | None = None) -> GapReport:
+    def compare(self, run_dir: Path | str | None = None) -> GapReport:
         """Measured beside simulated, and where the model fails: `dr_lab.workflows.compare.compare`.
 
         Args:
-            run_dir: the run folder; None for ``outputs/compare/<model>/<time>/``.
+            run_dir: the run folder, or ``<name>_2`` and so on where another run has it; None for
+                ``outputs/compare/<model>/<time>/``.
         """
         return self._run("compare", run_dir)
 
-    def fit(self, run_dir: Path | None = None) -> GapReport:
+    def fit(self, run_dir: Path | str | None = None) -> GapReport:
         """Calibrate the plain model: `dr_lab.workflows.fit.fit`.
 
         Args:
@@ -89,7 +92,7 @@ class NotebookComparison(Comparison):
         """
         return self._run("fit", run_dir)
 
-    def diagnose(self, effects: Sequence[str] = ("all",), run_dir: Path | None = None) -> GapReport:
+    def diagnose(self, effects: str | Sequence[str] = ("all",), run_dir: Path | str | None = None) -> GapReport:
         """Rank effects on held-out logs and say which one is missing: `dr_lab.workflows.diagnose.diagnose`.
 
         Args:
@@ -98,7 +101,7 @@ class NotebookComparison(Comparison):
         """
         return self._run("diagnose", run_dir, _chosen(effects))
 
-    def add(self, effect: str, run_dir: Path | None = None, **site: str) -> GapReport:
+    def add(self, effect: str, run_dir: Path | str | None = None, **site: str) -> GapReport:
         """Add one effect and refit, e.g. ``add("coulomb_friction", joint="arm")``: `dr_lab.workflows.add.add`.
 
         Args:
@@ -109,7 +112,7 @@ class NotebookComparison(Comparison):
         return self._run("add", run_dir, f"effect={effect}", *(f"effect.{kind}={name}" for kind, name in site.items()))
 
     def close(
-        self, effects: Sequence[str] = ("all",), most: int | None = None, run_dir: Path | None = None
+        self, effects: str | Sequence[str] = ("all",), most: int | None = None, run_dir: Path | str | None = None
     ) -> GapReport:
         """Diagnose and add until nothing more is supported: `dr_lab.workflows.close.close`.
 
@@ -120,19 +123,23 @@ class NotebookComparison(Comparison):
         """
         return self._run("close", run_dir, _chosen(effects), *([] if most is None else [f"most={most}"]))
 
-    def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> GapReport:
+    def _run(self, verb: str, run_dir: Path | str | None, *overrides: str) -> GapReport:
         typed = (*self.overrides, *overrides)
-        cfg = compose_from(self.config_folders, verb, typed)
-        workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
-        folder = run_dir or Path(cfg.outputs) / verb / self.model.name / _now()
-        folder.mkdir(parents=True, exist_ok=run_dir is not None)
+        with raised_plainly(verb, self.config_folders):
+            cfg = compose_from(self.config_folders, verb, typed)
+            workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
+        folder = claim(_folder(run_dir, cfg, verb, self.model.name))
         if all(getattr(self, part) is getattr(self.loaded, part) for part in ("model", "measurements", "settings")):
             write_config(folder, verb, typed, "run", cfg, self.config_folders[:-1])
+        else:
+            (folder / CONFIG_FILE).unlink()
         with algebra_on_one_thread():
             return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
 
 
-def record(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> tuple[Path, ...]:
+def record(
+    *overrides: str, config_dir: Path | str | None = None, run_dir: Path | str | None = None
+) -> tuple[Path, ...]:
     """Write logs, as `dr-lab record` does: `dr_lab.workflows.record.record`.
 
     Example:
@@ -152,7 +159,7 @@ def record(*overrides: str, config_dir: Path | None = None, run_dir: Path | None
     return _job("record", "model.name", overrides, config_dir, run_dir)()
 
 
-def train(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> TrainReport:
+def train(*overrides: str, config_dir: Path | str | None = None, run_dir: Path | str | None = None) -> TrainReport:
     """Train a policy, as `dr-lab train` does: `dr_lab.workflows.train.train`.
 
     Example:
@@ -170,7 +177,9 @@ def train(*overrides: str, config_dir: Path | None = None, run_dir: Path | None 
     return _job("train", "env.name", overrides, config_dir, run_dir)()
 
 
-def evaluate(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> EvaluateReport:
+def evaluate(
+    *overrides: str, config_dir: Path | str | None = None, run_dir: Path | str | None = None
+) -> EvaluateReport:
     """Evaluate a trained policy, as `dr-lab evaluate` does: `dr_lab.workflows.evaluate.evaluate`.
 
     Example:
@@ -189,15 +198,16 @@ def evaluate(*overrides: str, config_dir: Path | None = None, run_dir: Path | No
 
 
 def _job(
-    verb: str, place: str, overrides: Sequence[str], config_dir: Path | None, run_dir: Path | None
+    verb: str, place: str, overrides: Sequence[str], config_dir: Path | str | None, run_dir: Path | str | None
 ) -> Callable[[], Any]:
     """A verb's function with the arguments that a command line gives; `place` is the key that a run's path names."""
-    folders = _folders(config_dir)
-    cfg = compose_from(folders, verb, overrides)
-    folder = run_dir or Path(cfg.outputs) / verb / str(OmegaConf.select(cfg, place) or "") / _now()
+    folders, typed = _folders(config_dir), _texts(overrides)
     entries = defaults_of(shipped() / f"{verb}.yaml")
     (base,) = (str(entry["base"]) for entry in entries if isinstance(entry, dict) and "base" in entry)
-    workflow, arguments = build(Job(verb, tuple(overrides), base, folder, folders), cfg)
+    with raised_plainly(verb, folders):
+        cfg = compose_from(folders, verb, typed)
+        folder = _folder(run_dir, cfg, verb, str(OmegaConf.select(cfg, place) or ""))
+        workflow, arguments = build(Job(verb, typed, base, folder, folders), cfg)
 
     def run() -> Any:  # noqa: ANN401  each verb returns its own
         with algebra_on_one_thread():
@@ -206,13 +216,26 @@ def _job(
     return run
 
 
-def _folders(config_dir: Path | None) -> tuple[Path, ...]:
-    return (*([] if config_dir is None else [config_dir.absolute()]), shipped())
+def _folders(config_dir: Path | str | None) -> tuple[Path, ...]:
+    return split_config_dir([] if config_dir is None else ["--config-dir", str(config_dir)])[0]
 
 
-def _now() -> str:
-    return time.strftime("%Y-%m-%d_%H-%M-%S")
+def _folder(run_dir: Path | str | None, cfg: DictConfig, verb: str, subject: str) -> Path:
+    """The wanted run folder."""
+    own = Path(cfg.outputs) / verb / subject / time.strftime("%Y-%m-%d_%H-%M-%S")
+    return (own if run_dir is None else Path(run_dir)).expanduser()
 
 
-def _chosen(effects: Sequence[str]) -> str:
-    return f"effect={effects[0]}" if len(effects) == 1 else f"effect=[{','.join(effects)}]"
+def _texts(overrides: Sequence[object]) -> tuple[str, ...]:
+    """Overrides, of which each must be a text of its own."""
+    for override in overrides:
+        if not isinstance(override, str):
+            raise ConfigError(
+                f"{override!r} is no override; expected texts, one for each key: 'seed=1', 'threads=2', …"
+            )
+    return tuple(map(str, overrides))
+
+
+def _chosen(effects: str | Sequence[str]) -> str:
+    names = (effects,) if isinstance(effects, str) else effects
+    return f"effect={names[0]}" if len(names) == 1 else f"effect=[{','.join(names)}]"

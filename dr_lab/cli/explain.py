@@ -3,6 +3,7 @@
 import re
 import traceback
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import yaml
@@ -56,6 +57,29 @@ def explain(error: Exception, verb: str, folders: Sequence[Path]) -> tuple[str, 
     if own is not None:
         return f"{detail}\nIt comes from code of yours: {own}. HYDRA_FULL_ERROR=1 shows the way there.", USER_FAULT
     return f"{detail}\nThis looks like a fault of dr_lab; HYDRA_FULL_ERROR=1 shows where it happened.", OUR_FAULT
+
+
+@contextmanager
+def raised_plainly(verb: str, folders: Sequence[Path]) -> Iterator[None]:
+    """Let what Hydra and OmegaConf raise during a block be raised as the errors of dr_lab that it stands for.
+
+    Args:
+        verb: that is composed and built.
+        folders: configuration folders, first searched first.
+
+    Raises:
+        DrLabError: the one that Hydra wrapped, else one with what the command line says.
+    """
+    try:
+        yield
+    except (HydraException, OmegaConfBaseException, yaml.MarkedYAMLError) as error:
+        for cause in _chain(error):
+            if isinstance(cause, DrLabError):
+                raise cause from None
+        message, code = explain(error, verb, folders)
+        if code == OUR_FAULT:
+            raise
+        raise ConfigError(message) from error
 
 
 def _mendable(error: Exception, verb: str, folders: Sequence[Path]) -> str | None:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
+import dr_lab
 from dr_lab import Comparison, evaluate, record, train
 from dr_lab.__main__ import main
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.plain import from_plain, to_plain
@@ -55,9 +56,45 @@ def test_a_verb_takes_the_settings_that_the_comparison_has(tmp_path: Path) -> No
     assert longer.ladder[-1].effects == ("coulomb_friction@arm",)
 
 
-def test_what_does_not_fit_is_said() -> None:
-    with pytest.raises(ConfigError, match=r"windows\.length is 'long'"):
-        Comparison.load("furuta", "furuta", "windows.length=long")
+@pytest.mark.parametrize(
+    ("model", "given", "error", "told"),
+    [
+        ("furuta", "windows.length=long", ConfigError, r"windows\.length is 'long'"),
+        ("furuta", "windows.lenth=1", ConfigError, r"Did you mean 'windows\.length'"),
+        ("furuta", "-m", ConfigError, "expected key=value"),
+        ("furuta", ["seed=1"], ConfigError, r"\['seed=1'\] is no override; expected texts"),
+        ("furutta", "seed=1", ConfigError, "Did you mean 'furuta'"),
+        ("furuta", "model.mjcf=${conf:nix.xml}", ConfigError, "no configuration file 'nix.xml'"),
+        ("furuta", "measurements.logs=[nix.mcap]", DataError, "There is no file 'nix.mcap'"),
+    ],
+)
+def test_what_does_not_fit_is_said_as_on_the_command_line(
+    model: str, given: str, error: type[Exception], told: str
+) -> None:
+    with pytest.raises(error, match=told):
+        Comparison.load(model, "furuta", given)
+
+
+def test_what_trains_and_records_says_so_as_well(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="Did you mean 'furuta_balance'"):
+        train("env=furuta_balanc")
+    with pytest.raises(ConfigError, match="needs an existing folder"):
+        record("seed=1", config_dir=f"{tmp_path}/mine")
+
+
+def test_folders_are_texts_and_effects_a_name_and_no_run_is_written_over(tmp_path: Path) -> None:
+    for name in ("logs", "logs_2"):
+        (made, *_) = record("plant=pendulum", "plant.duration=0.5", "plant.peaks=[2]", run_dir=f"{tmp_path}/logs")
+        assert made.parent == tmp_path / name
+    loaded = Comparison.load("furuta", "furuta", *SMALL)
+    with pytest.raises(ConfigError, match="There is no effect 'nix'"):
+        loaded.diagnose("nix")
+    reports = [loaded.compare(run_dir=str(tmp_path / "run")) for _ in range(2)]
+    assert [report.run for report in reports] == [str(tmp_path / "run"), str(tmp_path / "run_2")]
+
+
+def test_names_are_offered_for_completion() -> None:
+    assert {"Comparison", "train", "evaluate", "record", "load_controller"} <= {*dir(dr_lab)}
 
 
 def test_logs_are_those_of_the_command(tmp_path: Path) -> None:
