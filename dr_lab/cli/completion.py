@@ -17,14 +17,16 @@ def complete(arguments: Sequence[str]) -> list[str] | None:
         arguments: those of ``dr-lab``, beginning with a completion flag. The line typed so far is in ``COMP_LINE``.
 
     Returns:
-        None when the verbs were printed; otherwise the arguments of ``dr-lab`` to run, beginning with the verb, which
-        has been taken out of ``COMP_LINE``.
+        None when the verbs were printed or the shell itself completes a folder; otherwise the arguments of ``dr-lab``
+        to run, beginning with the verb, which has been taken out of ``COMP_LINE``.
     """
     known = verbs()
     _, *words = os.environ.get(LINE_VARIABLE, "").split(" ")
     asked = any(word.startswith("query=") for word in arguments)
     if asked and len(words) <= 1:
         print(" ".join(verb for verb in known if verb.startswith("".join(words))))
+        return None
+    if asked and (words[-2] in FOLDER_FLAGS or words[-1].startswith("-")):
         return None
     verb = words[0] if asked and words[0] in known else next(iter(known))
     flags, rest = _folder_flags(words[1:])
@@ -33,8 +35,15 @@ def complete(arguments: Sequence[str]) -> list[str] | None:
 
 
 def _folder_flags(words: list[str]) -> tuple[list[str], list[str]]:
-    """Take a completely typed ``--config-dir FOLDER`` out of the words, so that its groups are completed too."""
-    for index, word in enumerate(words[:-2]):
-        if word in FOLDER_FLAGS and os.path.isdir(words[index + 1]):
-            return words[index : index + 2], words[:index] + words[index + 2 :]
-    return [], words
+    """Take each ``--config-dir FOLDER`` out of the words; the groups of those that there are are completed, too."""
+    flags: list[str] = []
+    rest: list[str] = []
+    typed = iter(words)
+    for word in typed:
+        flag, equals, folder = word.partition("=")
+        if flag not in FOLDER_FLAGS:
+            rest.append(word)
+            continue
+        folder = os.path.expanduser(folder if equals else next(typed, ""))
+        flags += [flag, folder] if os.path.isdir(folder) else []
+    return flags, rest

@@ -213,13 +213,30 @@ def test_completion(dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.Mo
     assert all(word.startswith(typed.rsplit(" ", maxsplit=1)[-1]) for word in words)
 
 
-def test_completion_knows_the_users_folder(
-    dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("--config-dir ~/mine model=r", ["model=robot"]),
+        ("--config-dir=~/mine model=r", ["model=robot"]),
+        ("--config-dir ~/beside -cd ~/mine model=r", ["model=robot"]),
+        ("--config-dir nowhere model=d", ["model=door"]),
+        ("--config-dir ", []),  # the shell completes files where nothing is offered
+    ],
+)
+def test_completion_knows_the_users_folders(
+    dr_lab: CommandLine,
+    capsys: Capture,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    typed: str,
+    offered: list[str],
 ) -> None:
     write(tmp_path / "mine/model/robot.yaml", "name: robot\n")
-    monkeypatch.setenv("COMP_LINE", f"dr-lab compare --config-dir {tmp_path / 'mine'} model=r")
+    (tmp_path / "beside").mkdir()
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("COMP_LINE", f"dr-lab compare {typed}")
     assert dr_lab("-sc", "query=bash") == 0
-    assert capsys.readouterr().out.split() == ["model=robot"]
+    assert capsys.readouterr().out.split() == offered
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
