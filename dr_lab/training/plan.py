@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
-from dr_lab.bounds import Count, above, at_most, require_bounds
+from dr_lab.bounds import Count, Natural, above, at_most, require_bounds
 from dr_lab.collectors.boundary import boundary_to
 from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.experience import Experience
@@ -55,7 +55,7 @@ class Plan:
     rollout_episodes: Count
     frames: Count
     checkpoint_every: Count
-    seed: int
+    seed: Natural
     threads: int | None
     final_share: Annotated[float, above(0.0), at_most(1.0)] = 1.0
     device: str = "cpu"

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import torch
 
+from dr_lab.bounds import Natural
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Table
 from dr_lab.evaluators.trained_run import Compose, TrainedRun, subject_of
 from dr_lab.files import write_text
@@ -20,7 +21,7 @@ from dr_lab.training.progress import progress
 
 
 def evaluate(
-    trained: TrainedRun, evaluator: Evaluator, recorder: Look, seed: int, compose: Compose, run_dir: Path
+    trained: TrainedRun, evaluator: Evaluator, recorder: Look, seed: Natural, compose: Compose, run_dir: Path
 ) -> EvaluateReport:
     """Evaluate the policy that a training run left.
 

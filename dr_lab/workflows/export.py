@@ -7,6 +7,7 @@ import numpy as np
 import torch
 from rich.console import Console
 
+from dr_lab.bounds import Natural
 from dr_lab.deployment.described import course_csv, described, told
 from dr_lab.deployment.onnx_file import Bounded, OnnxSettings, difference, onnx_of
 from dr_lab.evaluators.trained_run import Compose, TrainedRun, subject_of
@@ -18,7 +19,7 @@ from dr_lab.reports.screen import ScreenMarkdown
 from dr_lab.training.episodes import play_episodes
 
 
-def export(trained: TrainedRun, onnx: OnnxSettings, seed: int, compose: Compose, run_dir: Path) -> PolicyReport:
+def export(trained: TrainedRun, onnx: OnnxSettings, seed: Natural, compose: Compose, run_dir: Path) -> PolicyReport:
     """Write the policy that a training run left as a file that any control loop can run.
 
     Files: ``policy.onnx`` (observation in, action out, cut off at its bounds), ``policy.json`` (schema dr_lab/policy/1:

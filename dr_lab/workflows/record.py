@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
+from dr_lab.bounds import Natural
 from dr_lab.sources.source import Source, write_logs
 
 
-def record(source: Source, output: str | None, seed: int, run_dir: Path) -> tuple[Path, ...]:
+def record(source: Source, output: str | None, seed: Natural, run_dir: Path) -> tuple[Path, ...]:
     """Write every log of a source as an MCAP file.
 
     Args:

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from dr_lab.cli.arguments import checked
+from dr_lab.cli.compose import compose
+from dr_lab.cli.folders import shipped
 from dr_lab.errors import ConfigError
 from dr_lab.seeding import stream
 
@@ -21,3 +24,10 @@ def test_the_numbers_are_the_same_on_every_machine() -> None:
 def test_a_negative_seed_is_refused() -> None:
     with pytest.raises(ConfigError, match="at least 0"):
         stream(-1)
+
+
+@pytest.mark.parametrize("verb", ["diagnose", "record", "train", "evaluate", "export"])
+def test_a_negative_seed_is_refused_before_anything_is_built(verb: str) -> None:
+    """Of a sweep no job begins then."""
+    with pytest.raises(ConfigError, match=r"^seed is -1; expected at least 0\.$"):
+        checked(verb, compose(verb, ["seed=-1"]), (shipped(),))
