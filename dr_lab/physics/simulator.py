@@ -13,6 +13,7 @@ from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.body_contexts import BodyContexts
 from dr_lab.physics.compiled_contexts import CompiledContexts
 from dr_lab.physics.contact import skip_idle_collisions
+from dr_lab.physics.delays import remember_readings, remembered_controls
 from dr_lab.physics.few import in_calls
 from dr_lab.physics.fields import FieldContexts
 from dr_lab.physics.follow import follow
@@ -198,6 +199,7 @@ class Simulator:
         every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
         applied = np.ascontiguousarray(every[:, before:])
         self._remember(known[:, :, :before], contexts)
+        remember_readings(self.batch, self.compiled, history, every, before)
         start = self.batch.state.copy()
         record = ("qpos", "qvel", "sensordata") if self.compiled.nsensordata else ("qpos", "qvel")
         if self._stepper is None:
@@ -226,7 +228,7 @@ class Simulator:
     def _remember(self, past: Array, contexts: int) -> None:
         """Fill the memories of delayed actuators from past controls, shape (c or 1, w, p, nu)."""
         if self.compiled.nhistory:
-            rows = [self._histories(each) for each in past]
+            rows = [remembered_controls(self.compiled, each) for each in past]
             self.batch.bind("history")[:] = np.tile(np.concatenate(rows), (contexts // len(past), 1))
 
     def follow(self, z: Array, history: History, act: Array) -> Array:
@@ -248,7 +250,7 @@ class Simulator:
         controls = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, steps, -1)
         self.batch.bind("time")[:] = -steps * step
         if self.compiled.nhistory:
-            self.batch.bind("history")[:] = self._histories(controls[:, :1], -steps * step)
+            self.batch.bind("history")[:] = remembered_controls(self.compiled, controls[:, :1], -steps * step)
         found = follow(self.batch, history.qpos, history.qvel, controls, act)
         return found.reshape(steps, contexts, windows, -1)
 
@@ -278,21 +280,6 @@ class Simulator:
             return _lean(self._source.compile(z))
         except ModelError:
             return None
-
-    def _histories(self, past: Array, now: float = 0.0) -> Array:
-        """History rows of delayed actuators for each window at a time in s, shape (w, nhistory)."""
-        model, data = self.compiled, mujoco.MjData(self.compiled)
-        rows = np.empty((len(past), model.nhistory))
-        for window, controls in enumerate(past):
-            for actuator in range(model.nactuator):
-                samples = int(model.actuator_history[actuator, 0])
-                if samples:
-                    values = controls[-samples:, model.actuator_ctrladr[actuator]]
-                    values = np.concatenate([np.full(samples - len(values), values[0]), values])
-                    time = now + np.arange(-samples, 0) * model.opt.timestep
-                    mujoco.mj_initCtrlHistory(model, data, actuator, time, values)
-            rows[window] = data.history
-        return rows
 
 
 def _lean(model: mujoco.MjModel) -> mujoco.MjModel:

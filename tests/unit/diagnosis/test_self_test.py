@@ -30,7 +30,7 @@ def test_a_model_of_any_element_explains_its_own_logs(name: str) -> None:
 
 
 def late(delay: float) -> tuple[Model, MeasurementSet]:
-    """A pendulum whose encoder is late inside the MJCF, which a window cannot restore."""
+    """A pendulum whose encoder is late inside the MJCF."""
     model = model_of(LATE.format(delay=delay))
     log = own_log(model, 1)
     reading = log.outputs["hinge.position"]
@@ -38,7 +38,13 @@ def late(delay: float) -> tuple[Model, MeasurementSet]:
     return model, measured([Log("a", named | {"hinge.position": reading}, log.commands)], noise=NOISE)
 
 
-def test_a_state_that_no_window_restores_is_refused() -> None:
+def test_late_sensors_remember_what_they_read_before_a_window() -> None:
+    found = tried(*late(0.06))  # three times as late as windows are simulated before their samples
+    assert max(found.values()) <= 1.15
+
+
+def test_a_state_that_no_window_restores_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dr_lab.physics.simulator.remember_readings", lambda *state: None)
     model, data = late(0.06)
     with pytest.raises(
         ModelError, match=r"'late' does not explain logs that it made itself: .*sensor\.encoder"
