@@ -177,17 +177,19 @@ def _periods(candidate: Candidate) -> str:
 def moved_bounds(ladder: Ladder) -> list[NoteEntry]:
     """Notes on bounds that fits ran into: those that were moved, and at which bounds the added effects end."""
     found = {c.effect.label: c for rung in reversed(ladder.rungs) for c in rung.ranking if c.fitted}
-    moved = [NoteEntry(told, "moved_bound", effect=label) for label, c in found.items() for told in _moved(c)]
     last = ladder.models[-1].values()
+    moved = [NoteEntry(told, "moved_bound", effect=label) for label, c in found.items() for told in _moved(c, last)]
     ends = [NoteEntry(told, "at_bound") for step in ladder.steps for told in _ends_at_bounds(step.effect, last)]
     return [*moved, *ends]
 
 
-def _moved(candidate: Candidate) -> list[str]:
-    now, values = {p.name: p for p in candidate.effect.parameters}, candidate.fitted_model.values()
+def _moved(candidate: Candidate, last: Mapping[str, float]) -> list[str]:
+    """What became of a candidate's bounds, with its values in the last model where that has it."""
+    now, values = {p.name: p for p in candidate.effect.parameters}, {**candidate.fitted_model.values(), **last}
     return [
         f"{name} ran into its bounds ({low:.4g} to {high:.4g} {now[name].unit}), which are no physics. They were "
-        f"moved to {now[name].low:.4g} and {now[name].high:.4g}; the fit ended at {values[name]:.4g}."
+        f"moved to {now[name].low:.4g} and {now[name].high:.4g} {now[name].unit}; the fit ended at {values[name]:.4g} "
+        f"{now[name].unit}."
         for name, low, high in candidate.effect.looked
     ]
 

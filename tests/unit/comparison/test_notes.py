@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from diagnosis_machines import (
@@ -15,12 +17,14 @@ from diagnosis_machines import (
     swinging,
     windows_of,
 )
+from effect_machines import placed
 
 from dr_lab.comparison.calibrated import calibrated
-from dr_lab.comparison.notes import disagreeing_logs, fit_notes, study_notes
+from dr_lab.comparison.notes import disagreeing_logs, fit_notes, moved_bounds, study_notes
 from dr_lab.comparison.silent_notes import silent_markdown
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
+from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import Note
 
@@ -122,3 +126,14 @@ def test_logs_that_do_not_agree_on_a_parameter_are_told(worn: float, count: int)
     for note in notes:
         assert "hinge.damping: log_new asks for 0.0" in note.message
         assert "and log_worn asks for 0.2" in note.message
+
+
+def test_a_moved_bound_and_where_the_added_effect_ended_have_their_unit() -> None:
+    lag = "actuator_lag@drive.tau"
+    wide = replace(placed(pendulum(), "actuator_lag", "drive"), looked=((lag, 0.0, 0.012),))
+    alone, last = SimpleNamespace(values=lambda: {lag: 0.013}), SimpleNamespace(values=lambda: {lag: 0.005})
+    rung = SimpleNamespace(ranking=[SimpleNamespace(effect=wide, fitted=True, fitted_model=alone)])
+    ladder = SimpleNamespace(rungs=[rung], models=[last], steps=[])
+    (note,) = moved_bounds(cast("Ladder", ladder))
+    assert "(0 to 0.012 s)" in note.message
+    assert note.message.endswith("s; the fit ended at 0.005 s.")

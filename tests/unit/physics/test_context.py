@@ -26,3 +26,12 @@ def test_names_and_vector_agree() -> None:
 def test_estimate_tells_standard_deviations() -> None:
     estimate = ContextEstimate(SPACE, np.array([2.1, 0.1]), np.diag([0.04, 1e-4]))
     assert estimate.table()["mass"] == {"value": 2.1, "std": pytest.approx(0.2), "unit": "kg"}
+
+
+def test_a_value_far_above_a_small_bound_is_not_at_it() -> None:
+    speed = Parameter("creep", "rad/s", 0.01, 0.0009031, 3.612)
+    assert speed.ends(0.002273) == (False, False)
+    assert speed.ends(0.000904) == (True, False)
+    assert speed.ends(3.611) == (False, True)
+    assert Parameter("fall", "m/s", -0.01, -3.612, -0.0009031).ends(-0.002273) == (False, False)
+    assert Parameter("torque", "N", 0.0, 0.0, 2.0).ends(0.001) == (True, False)
