@@ -15,7 +15,7 @@ from dr_lab.html.sampling_figures import sampling_plots
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.reports.page import Page, Section
 from dr_lab.reports.plain import Number
-from dr_lab.reports.quantity import counted
+from dr_lab.reports.quantity import counted, titled
 from dr_lab.reports.summarize import GroupEntry, SummarizeReport
 
 _UNTOLD = ("seconds",)  # figures that compare machines rather than methods come last
@@ -42,7 +42,7 @@ def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: Sw
     colours = {group: series(index) for index, group in enumerate(record.groups)}
     scattered = [(sample, colours[group]) for group, samples in record.violins.items() for sample in samples]
     chapters = [
-        Chapter("Comparison", comparison_plots(report.groups, record.groups)),
+        Chapter("Comparison", comparison_plots(report.groups, record.groups, report.units)),
         *_told(page.sections, record),
         Chapter("Over training", band_plots(record.bands, record.groups)),
         Chapter("Learned distributions", group_marginal_plots(record.marginals, record.groups)),
@@ -59,43 +59,48 @@ def _told(sections: Sequence[Section], record: SweepRecord) -> list[Chapter]:
     return [Chapter(s.title or _UNTITLED[s.key], [*drawn.get(s.key, []), Text(s.body)]) for s in sections if s.body]
 
 
-def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> list[Plot]:
+def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str], units: Mapping[str, str]) -> list[Plot]:
     """Each figure's interquartile mean with its interval, a row a group; figures that do not differ are left out.
 
     Args:
         groups: with their figures.
         labels: of the groups, in their order.
+        units: of figures that have one, by path.
     """
     names = dict.fromkeys(name for group in groups for name, value in group.figures.items() if "iqm" in value)
     differing = [name for name in names if len({group.figures.get(name, {}).get("iqm") for group in groups}) > 1]
     ordered = sorted(differing, key=lambda name: name in _UNTOLD)
     if not ordered:
         return []
+    titles = {name: titled(name.removeprefix(_COMMON), units.get(name, "")) for name in ordered}
     first, others = ordered[:1], ordered[1:_PLOTS]
-    columns = _columns(others, labels)
+    columns = _columns([titles[name] for name in others], labels)
     rows = [first, *(others[at : at + columns] for at in range(0, len(others), columns))]
     told = [
         "Interquartile means with their intervals, which a group of fewer than three runs has not.",
         *[""] * (len(rows) - 1),
     ]
-    return [_row(names, groups, labels, caption) for names, caption in zip(rows, told, strict=True)]
+    return [
+        _row({name: titles[name] for name in names}, groups, labels, caption)
+        for names, caption in zip(rows, told, strict=True)
+    ]
 
 
-def _columns(names: Sequence[str], labels: Sequence[str]) -> int:
+def _columns(titles: Sequence[str], labels: Sequence[str]) -> int:
     """How many figures stand side by side so that their titles, below the axes, do not run into one another."""
-    widest = max((len(name.removeprefix(_COMMON)) for name in names), default=0) + _APART
+    widest = max(map(len, titles), default=0) + _APART
     room = _LINE - max(map(len, labels), default=0)
     return max(1, min(_COLUMNS, room // widest))
 
 
-def _row(names: Sequence[str], groups: Sequence[GroupEntry], labels: Sequence[str], caption: str) -> Plot:
-    """Some figures side by side, whose rows have their labels once."""
-    figure = chart(1, len(names), shared_yaxes=True, horizontal_spacing=0.03)
-    for column, name in enumerate(names, start=1):
+def _row(titles: Mapping[str, str], groups: Sequence[GroupEntry], labels: Sequence[str], caption: str) -> Plot:
+    """Some figures side by side, by path with their titles, whose rows have their labels once."""
+    figure = chart(1, len(titles), shared_yaxes=True, horizontal_spacing=0.03)
+    for column, (name, title) in enumerate(titles.items(), start=1):
         for index, (group, label) in enumerate(zip(groups, labels, strict=False)):
             if group.figures.get(name, {}).get("iqm") is not None:
                 figure.add_trace(_estimate(group.figures[name], label, series(index)), row=1, col=column)
-        figure.update_xaxes(title=name.removeprefix(_COMMON), nticks=5, tickangle=0, row=1, col=column)
+        figure.update_xaxes(title=title, nticks=5, tickangle=0, row=1, col=column)
     figure.update_yaxes(categoryorder="array", categoryarray=[*labels[: len(groups)]][::-1])
     return Plot(figure, rows_height(len(groups)), caption)
 

@@ -1,7 +1,7 @@
 """The report of summarize; `summarize.schema.json` says what each key means. Keys with a default may be absent."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dr_lab.reports.plain import Number
 
@@ -64,3 +64,4 @@ class SummarizeReport:
     run: str
     sampling: tuple[SamplingEntry, ...] = ()
     interference: tuple[InterferenceEntry, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)

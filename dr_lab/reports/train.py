@@ -99,3 +99,4 @@ class TrainReport:
     ladder: tuple[RungEntry, ...] = ()
     final_episodes: int | None = None
     deployed_return: Number = None
+    ended_episodes: int | None = None

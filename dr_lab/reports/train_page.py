@@ -1,7 +1,7 @@
 """What a training run came to, for a person."""
 
 from dr_lab.reports.page import Page, Section
-from dr_lab.reports.quantity import counted, number, uncertain
+from dr_lab.reports.quantity import counted, number, percent, uncertain
 from dr_lab.reports.tables import table
 from dr_lab.reports.train import TrainReport
 
@@ -16,7 +16,10 @@ def train_page(report: TrainReport) -> Page:
     if report.rollout_frames:
         lines.append(f"Further episodes were played to learn from: {report.rollout_frames} control steps.")
     if report.infeasible_episodes:
-        lines.append(f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}.")
+        ended = report.ended_episodes
+        of_all = "" if ended is None else f" of {ended} ({percent(report.infeasible_episodes / ended)})"
+        told = f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}"
+        lines.append(f"{told}{of_all}.")
     rows = [[name, number(p.mean), number(p.std, 3), p.unit] for name, p in report.context.items()]
     context = Section("context", "Contexts", table(["parameter", "mean", "std", "unit"], rows))
     told = "\n\n".join(line for line in lines if line)

@@ -11,7 +11,7 @@ from dr_lab.bounds import Confidence, Count, Natural, require_bounds
 from dr_lab.errors import UnknownNameError
 from dr_lab.evaluators.statistics import Interval, improvement_interval, iqm_interval
 from dr_lab.summaries.configuration import experiment, holds
-from dr_lab.summaries.runs import Figure, Run, picked
+from dr_lab.summaries.runs import Figure, Run, picked, units
 from dr_lab.sweeps.overrides import differing
 from dr_lab.sweeps.sweep import identity_of
 
@@ -111,6 +111,12 @@ def figures_of(run: Run, figures: Mapping[str, Sequence[str]]) -> dict[str, Figu
         figures: paths into a report, by its schema.
     """
     return picked(run.report, figures.get(str(run.report.get("schema")), ()))
+
+
+def units_of(groups: Sequence[Group], figures: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Units of figures that have one in the runs' reports, by path; arguments as `summed_up`."""
+    each = [run.report for group in groups for run in group.runs]
+    return {k: unit for report in each for k, unit in units(report, figures.get(str(report["schema"]), ())).items()}
 
 
 def shared_figures(groups: Sequence[Group], figures: Mapping[str, Sequence[str]]) -> dict[str, Figure]:

@@ -22,7 +22,7 @@ from dr_lab.trajectory import Array
 
 _TYPES = {train.SCHEMA: TrainReport, evaluate.SCHEMA: EvaluateReport}
 _REPORT, _CONFIG, _METRICS, _CONTEXTS = "report.json", "config.yaml", "metrics.csv", "contexts.csv"
-_ANY = "*"
+_ANY, _UNIT = "*", "unit"
 _RESUMED = "resume"  # override that says where a run was gone on with, which makes no other run of it
 _UNREADABLE = "{} cannot be read as a run: {}. Take it out of {}."
 
@@ -88,6 +88,16 @@ def picked(report: Mapping[str, object], paths: Sequence[str]) -> dict[str, Figu
     """
     found = {name: value for path in paths for name, value in _places(report, path.split(".")).items()}
     return {name: figure for name, value in found.items() for figure in _figures(value)}
+
+
+def units(report: Mapping[str, object], paths: Sequence[str]) -> dict[str, str]:
+    """Units that stand beside numbers of a report, by the full paths of these.
+
+    Args: as `picked`.
+    """
+    ends = [path.rpartition(".") for path in paths]
+    found = [(last, _places(report, [*above.split("."), _UNIT])) for above, _, last in ends]
+    return {name.removesuffix(_UNIT) + last: str(unit) for last, places in found for name, unit in places.items()}
 
 
 def beside(report: Mapping[str, object], path: str) -> list[str]:

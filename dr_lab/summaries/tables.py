@@ -6,7 +6,7 @@ from dr_lab.evaluators.statistics import Interval
 from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.reports.interval_level import levels_told
 from dr_lab.reports.page import Page, Section
-from dr_lab.reports.quantity import number, written
+from dr_lab.reports.quantity import number, titled, written
 from dr_lab.reports.tables import table
 from dr_lab.summaries.groups import (
     Cell,
@@ -40,6 +40,7 @@ def summary_page(
     notes: Sequence[str],
     statistics: Statistics,
     reference: Group,
+    units: Mapping[str, str],
 ) -> Page:
     """What differs between groups, and their figures; those that all runs share, in one sentence.
 
@@ -51,16 +52,17 @@ def summary_page(
         notes: sentences for its end.
         statistics: how the runs of a group were summed up.
         reference: the group that the others are compared with.
+        units: of figures that have one, by path.
     """
     keys = list(groups[0].settings)
     rows = [
-        [name.removeprefix(_COMMON), *(group.settings[key] for key in keys), *_told(row[name], len(group.runs))]
+        [_named(name, units), *(group.settings[key] for key in keys), *_told(row[name], len(group.runs))]
         for name in dict.fromkeys(name for row in cells for name in row)
         if name not in shared
         for group, row in zip(groups, cells, strict=True)
         if name in row
     ]
-    alike = ", ".join(f"{name} {written(value)}" for name, value in shared.items())
+    alike = ", ".join(f"{name} {written(value)} {units.get(name, '')}".rstrip() for name, value in shared.items())
     told = [f"The same in all runs: {alike}."] if shared else []
     count = sum(len(group.runs) for group in groups)
     columns, about = [*_short(keys), "runs", "mean (interval)"], [_INTERVALS.format(100 * statistics.confidence)]
@@ -70,10 +72,14 @@ def summary_page(
         columns, about = [*columns, "larger"], [*about, _LARGER.format(reference.label)]
     found = table(["figure", *columns], [row[: len(columns) + 1] for row in rows])
     sections = [Section("figures", "", found), Section("notes", "", "\n\n".join([*told, *notes]))]
-    return Page(f"{count} runs of {sweep}", " ".join([*_first(groups, cells), *about]), sections)
+    return Page(f"{count} runs of {sweep}", " ".join([*_first(groups, cells, units), *about]), sections)
 
 
-def _first(groups: Sequence[Group], cells: Sequence[Cells]) -> list[str]:
+def _named(name: str, units: Mapping[str, str]) -> str:
+    return titled(name.removeprefix(_COMMON), units.get(name, ""))
+
+
+def _first(groups: Sequence[Group], cells: Sequence[Cells], units: Mapping[str, str]) -> list[str]:
     """The first figure of a few groups, largest first; nothing of more, which the table compares."""
     name = next((name for row in cells for name, cell in row.items() if isinstance(cell, Estimate)), "")
     found = [(group.label, row.get(name)) for group, row in zip(groups, cells, strict=True)]
@@ -81,9 +87,7 @@ def _first(groups: Sequence[Group], cells: Sequence[Cells]) -> list[str]:
     if not 1 < len(known) <= _TOLD:
         return []
     ordered = sorted(known, key=lambda pair: -pair[1].value)
-    return [
-        f"**{name.removeprefix(_COMMON)}:** {'; '.join(f'`{label}` {_interval(cell)}' for label, cell in ordered)}."
-    ]
+    return [f"**{_named(name, units)}:** {'; '.join(f'`{label}` {_interval(cell)}' for label, cell in ordered)}."]
 
 
 def _short(keys: Sequence[str]) -> list[str]:
@@ -129,11 +133,11 @@ def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> li
     ]
 
 
-def runs_page(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
-    """Every run with what differs, as Markdown."""
+def runs_page(runs: Sequence[Run], figures: Mapping[str, Sequence[str]], units: Mapping[str, str]) -> str:
+    """Every run with what differs, as Markdown; figures with their units, by path."""
     rows = _runs_table(runs, figures)
     cells = [[written(value) for value in row.values()] for row in rows]
-    return table(list(rows[0]), cells) + "\n"
+    return table([titled(name, units.get(name, "")) for name in rows[0]], cells) + "\n"
 
 
 def runs_csv(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:

@@ -55,6 +55,11 @@ def infeasible_episodes(history: History) -> int:
     return int(sum(map(_infeasible, history)))
 
 
+def ended_episodes(history: History) -> int:
+    """How many episodes ended, those in infeasible contexts included."""
+    return int(sum(row.get("episodes", 0.0) for row in history))
+
+
 def metrics_csv(history: History) -> str:
     """One row an iteration; what an iteration does not know is empty."""
     return rows_csv(

@@ -11,7 +11,7 @@ from dr_lab.recorders.training import Marginal
 from dr_lab.reports.plain import finite
 from dr_lab.reports.train import SCHEMA, ChoiceEntry, ContextEntry, HistogramEntry, TrainReport
 from dr_lab.training.episodes import described
-from dr_lab.training.history import adapted_returns, final_episodes, final_return, infeasible_episodes
+from dr_lab.training.history import adapted_returns, ended_episodes, final_episodes, final_return, infeasible_episodes
 from dr_lab.training.ladder import ladder
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
 from dr_lab.training.snapshots import Snapshots
@@ -61,6 +61,7 @@ def train_report(
         ladder=ladder(history, snapshots.spreads()),
         final_episodes=None if adapted else final_episodes(history, plan.final_share),
         deployed_return=None if adapted else choice.mean_return,
+        ended_episodes=ended_episodes(history),
     )
     return finite(found)
 

@@ -18,7 +18,17 @@ from dr_lab.reports.summarize import SCHEMA, GroupEntry, SummarizeReport
 from dr_lab.summaries.doubts import divided_runs, lost_trainings, missing_figures, repeated_runs, require_known
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.exhaustive import exhaustive
-from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, find_group, grouped, shared_figures, summed_up
+from dr_lab.summaries.groups import (
+    Cell,
+    Cells,
+    Estimate,
+    Group,
+    find_group,
+    grouped,
+    shared_figures,
+    summed_up,
+    units_of,
+)
 from dr_lab.summaries.interference_tables import interference_entries, interference_section
 from dr_lab.summaries.interferences import interferences
 from dr_lab.summaries.overlays import bands, grids, marginals, violins
@@ -51,7 +61,8 @@ def summarize(sweep: str, settings: SummarySettings, recorder: Look, run_dir: Pa
     folder, figures = Path(sweep).expanduser(), settings.figures
     found = _compared(folder, settings)
     shared = shared_figures(found.groups, figures)
-    page = summary_page(found.name, found.groups, found.cells, shared, found.told, settings.statistics, found.reference)
+    compared = found.groups, found.cells, shared, found.told, settings.statistics, found.reference, found.units
+    page = summary_page(found.name, *compared)
     drawn = sampling_section(found.sampling, settings.sampling), interference_section(found.interference)
     page = replace(page, sections=[*page.sections[:1], *drawn, *page.sections[1:]])
     report = _report(folder, found, run_dir)
@@ -77,6 +88,7 @@ class _Compared:
     groups: Sequence[Group]
     cells: Sequence[Cells]
     reference: Group
+    units: Mapping[str, str]
     notes: Sequence[str]
     sampling: Mapping[str, Sequence[Sampling]]
     interference: Sequence[Interference]
@@ -98,11 +110,12 @@ def _compared(folder: Path, settings: SummarySettings) -> _Compared:
     reference = find_group(groups, settings.reference)
     cells = [summed_up(group, figures, settings.statistics, reference) for group in groups]
     learning = samplings(groups, settings.sampling), interferences(groups, settings.statistics.confidence)
-    return _Compared(folder.resolve().name or str(folder), runs, unfinished, groups, cells, reference, notes, *learning)
+    name, units = folder.resolve().name or str(folder), units_of(groups, figures)
+    return _Compared(name, runs, unfinished, groups, cells, reference, units, notes, *learning)
 
 
 def _record(found: _Compared, settings: SummarySettings, page: str) -> SweepRecord:
-    groups, pages = found.groups, {"Summary": page, "Runs": runs_page(found.runs, settings.figures)}
+    groups, pages = found.groups, {"Summary": page, "Runs": runs_page(found.runs, settings.figures, found.units)}
     apart = exhaustive(groups)
     labels, drawn = [*(group.label for group in groups), *apart], grids(groups) | apart
     learned = bands(groups, settings.statistics), marginals(groups)
@@ -117,7 +130,9 @@ def _report(folder: Path, found: _Compared, run_dir: Path) -> SummarizeReport:
     )
     told = tuple(found.unfinished), tuple(found.notes)
     learning = sampling_entries(found.sampling), interference_entries(found.interference)
-    return finite(SummarizeReport(SCHEMA, "summarize", str(folder), entries, *told, str(run_dir), *learning))
+    return finite(
+        SummarizeReport(SCHEMA, "summarize", str(folder), entries, *told, str(run_dir), *learning, found.units)
+    )
 
 
 def _figure(cell: Cell) -> dict[str, Number]:

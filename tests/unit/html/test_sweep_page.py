@@ -46,11 +46,17 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
     assert values(curve["y"]).tolist() == [1.0, 1.0]
 
 
+def test_axes_have_the_units_of_their_figures() -> None:
+    groups = [GroupEntry({}, ("0",), {"context.mass.mean": {"iqm": value}}) for value in (1.0, 2.0)]
+    (plot,) = comparison_plots(groups, ["adr", "udr"], {"context.mass.mean": "kg"})
+    assert plot.figure.layout.xaxis.title.text == "context.mass.mean [kg]"
+
+
 def test_titles_side_by_side_have_room() -> None:
     def rows(name: str, label: str) -> list[int]:
         figures = [{f"{name}_{k}": {"iqm": float(group + k)} for k in range(4)} for group in range(2)]
         groups = [GroupEntry({}, ("0",), each) for each in figures]
-        plots = comparison_plots(groups, [label, "udr"])
+        plots = comparison_plots(groups, [label, "udr"], {})
         return [sum(key.startswith("xaxis") for key in plot.figure.layout.to_plotly_json()) for plot in plots]
 
     assert rows("return", "adr") == [1, 3]
@@ -84,4 +90,4 @@ def test_two_runs_have_no_interval_and_the_caption_says_so() -> None:
     ends = iqm_interval(np.array([1.0, 2.0]), 0.95, 10, 0)
     assert np.isnan([ends.low, ends.high]).all()
     groups = [GroupEntry({}, ("0", "1"), {"return": {"iqm": value, "low": None, "runs": 2}}) for value in (1.5, 2.0)]
-    assert "fewer than three runs has not" in comparison_plots(groups, ["adr", "udr"])[0].caption
+    assert "fewer than three runs has not" in comparison_plots(groups, ["adr", "udr"], {})[0].caption

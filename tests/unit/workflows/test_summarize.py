@@ -12,7 +12,7 @@ from dr_lab.__main__ import main
 from dr_lab.errors import DataError
 from dr_lab.summaries.groups import figures_of, grouped, summed_up
 from dr_lab.summaries.overlays import bands
-from dr_lab.summaries.runs import beside, find_runs, picked
+from dr_lab.summaries.runs import beside, find_runs, picked, units
 from dr_lab.sweeps.overrides import differing
 
 FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
@@ -129,6 +129,11 @@ def test_paths_pick_from_a_report() -> None:
     assert found == {"a.b": 1.0, "ladder.0.chi2": 2.5, "word": "yes"}
 
 
+def test_figures_have_the_units_beside_them() -> None:
+    report = {"seconds": 3.0, "context": {"arm.mass": {"unit": "kg", "mean": 2.0}, "wind": {"unit": "m/s"}}}
+    assert units(report, ["seconds", "context.*.mean"]) == {"context.arm.mass.mean": "kg", "context.wind.mean": "m/s"}
+
+
 def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> None:
     folder = tmp_path / "summary"
     assert main(["summarize", f"sweep={sweep}", f"hydra.run.dir={folder}"]) == 0
@@ -144,6 +149,8 @@ def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> 
     ]
     page = (folder / "report.md").read_text("utf-8")
     assert "| final_return | lsdr | 3 | 11 (10 … 12) |" in page
+    assert "context.torso.size.mean 0.05 m" in page
+    assert "context.torso.size.mean [m]" in (folder / "report.html").read_text("utf-8")
     assert "Without a report: 20." in page
     assert "Without a report: 20." in (folder / "report.html").read_text("utf-8")
     entities = {str(chunk.entity_path) for chunk in rr.chunk.RrdReader(folder / "review.rrd").stream()}

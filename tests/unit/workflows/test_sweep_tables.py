@@ -26,7 +26,7 @@ def test_what_all_runs_share_is_said_once() -> None:
     shared = shared_figures(groups, FIGURES)
     assert shared == {"mass": 0.05, "verdict": "none"}
     cells = [summed_up(each, FIGURES, STATISTICS) for each in groups]
-    page = summary_page("sweep", groups, cells, shared, [], STATISTICS, groups[0]).markdown()
+    page = summary_page("sweep", groups, cells, shared, [], STATISTICS, groups[0], {}).markdown()
     assert "The same in all runs: mass 0.05, verdict none." in page
     assert page.count("| final_return |") == 2
     assert "| mass |" not in page
@@ -35,7 +35,7 @@ def test_what_all_runs_share_is_said_once() -> None:
 def test_a_group_is_better_than_the_reference_with_a_probability() -> None:
     groups = [group("none", 1.0, 2.0, 3.0, 0.0), group("lsdr", 2.0, 4.0, 5.0, 4.0)]
     cells = [summed_up(each, FIGURES, STATISTICS, groups[0]) for each in groups]
-    page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0]).markdown()
+    page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0], {}).markdown()
     larger: Any = cells[1]["final_return"]
     assert larger.larger.value == pytest.approx(14.5 / 16)  # of 16 pairs one is lost, one is a tie
     assert larger.larger.low < 14.5 / 16 < larger.larger.high
@@ -48,7 +48,7 @@ def test_a_group_is_better_than_the_reference_with_a_probability() -> None:
 def test_few_runs_are_not_better_with_a_probability(count: int) -> None:
     groups = [group("none", *[1.0] * count), group("lsdr", *[2.0] * count)]
     cells = [summed_up(each, FIGURES, STATISTICS, groups[0]) for each in groups]
-    assert "larger" not in summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0]).markdown()
+    assert "larger" not in summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0], {}).markdown()
 
 
 def test_the_reference_is_the_first_group_or_the_one_that_is_named() -> None:
@@ -64,7 +64,7 @@ def test_keys_and_figures_are_short_where_that_tells_them_apart() -> None:
     settings = {"trained.experiment": "adr", "trained.seed": "0", "evaluator.seed": "1"}
     groups = [Group(settings, [Run("0", Path("0"), {}, {}, report, None)], "adr") for report in reports]
     cells = [summed_up(each, {"dr_lab/evaluate/1": ["figures.*"]}, STATISTICS) for each in groups]
-    page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0]).markdown()
+    page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0], {}).markdown()
     assert "| figure | experiment | trained.seed | evaluator.seed | runs | mean (interval) |" in page
     assert "| hard.iqm | adr | 0 | 1 | 1 | 1 |" in page
 
