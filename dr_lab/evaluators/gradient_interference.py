@@ -85,7 +85,8 @@ class GradientInterferenceEvaluator(IntervalEvaluator):
         return episode_gradients(actor, course.episodes, course.advantage).numpy()
 
     def _evaluation(self, axis: ContextAxis, found: Mapping[int, Cosines]) -> Evaluation:
-        rows = [row for frames, each in found.items() for row in _rows(frames, axis, each)]
+        newest = sorted(found, reverse=True)  # figures are of the last policy, and a page has room for its first rows
+        rows = [row for frames in newest for row in _rows(frames, axis, found[frames])]
         return Evaluation(
             _shares(found[max(found)]),
             rows,
@@ -102,7 +103,8 @@ class GradientInterferenceEvaluator(IntervalEvaluator):
             f"row and column. corrected: without the noise, with its {percent(self.confidence)} interval by bootstrap "
             "over the episodes; by what noise is left it may lie beyond ±1, and nothing stands where a gradient is not "
             "told from noise. sign: −1 where the two contexts "
-            "interfere, 1 where one helps the other, 0 where the interval holds 0, which is a dot in the picture. "
+            "interfere, 1 where one helps the other, 0 where the interval holds 0, which is a dot in the picture; "
+            "nothing where a context has no gradient. "
             "Figures are those of the last policy and of contexts with a gradient, which infeasible ones lack: the "
             "shares of their pairs that interfere, help or are in doubt, and of those told from noise."
         )
@@ -118,7 +120,7 @@ def _rows(frames: int, axis: ContextAxis, found: Cosines) -> list[Row]:
             "corrected": float(found.corrected[a, b]),
             "low": float(found.low[a, b]),
             "high": float(found.high[a, b]),
-            "sign": float(found.sign[a, b]),
+            "sign": float(found.sign[a, b]) if np.isfinite(found.raw[a, b]) else np.nan,
         }
         for a, b in zip(*np.triu_indices(len(axis.values)), strict=True)
     ]
