@@ -200,7 +200,10 @@ def _candidates(report: GapReport) -> str:
     tables = naming(report)
     shown = [each.rows[: _SHOWN if k == 0 else _SHOWN_LATER] for k, each in enumerate(tables)]
     titles = [f"Beside the {each.model}:\n\n" if len(tables) > 1 else "" for each in tables]
-    told = [title + ranking_summary(rows, report.verdict) for title, rows in zip(titles, shown, strict=True)]
+    told = [
+        title + ranking_summary(rows, report.verdict, report.judged.confidence)
+        for title, rows in zip(titles, shown, strict=True)
+    ]
     left = sum(len(each.rows) - len(rows) for each, rows in zip(tables, shown, strict=True))
     return _paragraphs([*told, f"… and {left} more in report.md." if left else ""])
 

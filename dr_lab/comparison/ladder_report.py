@@ -118,6 +118,7 @@ def _judgement(study: Study, ladder: Ladder) -> Judgement:
         ranking=_ranking(study, first, ladder),
         rungs=tuple(_rung(study, rung, ladder) for rung in ladder.rungs),
         worst_direction=entries.worst_direction(ladder.models[-1]),
+        confidence=evidence.confidence,
     )
 
 

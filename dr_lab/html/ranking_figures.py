@@ -11,7 +11,7 @@ from dr_lab.reports.gap_entries import CandidateEntry
 from dr_lab.reports.ladder import scored, status
 from dr_lab.reports.quantity import number
 from dr_lab.reports.rankings import rankings
-from dr_lab.reports.tables import promise_table, ranking_table
+from dr_lab.reports.tables import intervals_of, promise_table, ranking_table
 
 _MOST = 20  # rows of a plot; all candidates are in the table
 _WORTH = 0.01  # share that a candidate promises, from which on it is drawn although it was not fitted
@@ -25,28 +25,31 @@ def ranking_parts(report: GapReport) -> list[Part]:
     for index, ranking in enumerate(rankings(report)):
         if not ranking.rows:
             continue
-        inside = [*_plot(ranking.rows, report.verdict, scored(report)), _tables(ranking.rows, report.verdict)]
+        inside = [*_plot(ranking.rows, report), _tables(ranking.rows, report)]
         parts += [Fold(ranking.title, inside)] if index else [Text(f"### {ranking.title}"), *inside]
     return parts
 
 
-def _tables(ordered: Sequence[CandidateEntry], verdict: str | None) -> Fold:
+def _tables(ordered: Sequence[CandidateEntry], report: GapReport) -> Fold:
     """All candidates. Most were not fitted, and there is little to say of them: two of these stand side by side."""
     fitted, others = ([row for row in ordered if row.fitted is each] for each in (True, False))
-    first, middle = len(fitted) + 1, -(-len(others) // 2)
+    first, middle, verdict = len(fitted) + 1, -(-len(others) // 2), report.verdict
     halves = [promise_table(others[:middle], verdict, first), promise_table(others[middle:], verdict, first + middle)]
-    texts = [Text(ranking_table(fitted, verdict)), *(Text(half, half=True) for half in halves)]
+    texts = [
+        Text(ranking_table(fitted, verdict, report.judged.confidence)),
+        *(Text(half, half=True) for half in halves),
+    ]
     return Fold(f"All {len(ordered)} candidates", [text for text in texts if text.markdown])
 
 
-def _plot(ordered: Sequence[CandidateEntry], verdict: str | None, logs: str) -> list[Plot]:
+def _plot(ordered: Sequence[CandidateEntry], report: GapReport) -> list[Plot]:
     fitted = [row for row in ordered if row.fitted and row.gain is not None][:_MOST]
     promised = [row for row in ordered if not row.fitted and (row.predicted_gain or 0.0) >= _WORTH]
     shown = [*fitted, *promised[: max(0, _MOST - len(fitted))]]
     if not shown:
         return []
     figure = chart()
-    told = {row.label: status(row, verdict) for row in fitted}
+    told = {row.label: status(row, report.verdict) for row in fitted}
     for word in dict.fromkeys(told.values()):
         figure.add_trace(_removed([row for row in fitted if told[row.label] == word], word))
     if len(shown) > len(fitted):
@@ -57,7 +60,8 @@ def _plot(ordered: Sequence[CandidateEntry], verdict: str | None, logs: str) -> 
     names = [row.label for row in shown]
     figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], range=[-0.7, len(shown) - 0.3])
     left = len(ordered) - len(shown)
-    caption = f"On {logs}; lines are intervals." + (f" The table has {left} more." if left else "")
+    caption = f"On {scored(report)}; lines are {intervals_of(report.judged.confidence)}s."
+    caption += f" The table has {left} more." if left else ""
     return [Plot(figure, rows_height(len(shown)), caption)]
 
 

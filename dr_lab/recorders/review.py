@@ -72,7 +72,8 @@ def _log_report(root: Branch, report: GapReport, report_md: str, look: Look) -> 
         log_ladder(diagnosis / "ladder", ladder, before_after(report), look)
     if ranking := report.judged.ranking:
         log_ranking(diagnosis / "ranking", ranking, report.verdict, look)
-        _log_text(diagnosis / "ranking_table", ranking_table(by_gain(ranking), report.verdict))
+        table = ranking_table(by_gain(ranking), report.verdict, report.judged.confidence)
+        _log_text(diagnosis / "ranking_table", table)
 
 
 def _log_text(place: Branch, text: str) -> None:

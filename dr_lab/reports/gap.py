@@ -53,6 +53,7 @@ class Judgement:
     learned: tuple[LearnedEntry, ...] = ()
     missing_force: tuple[MissingForceEntry, ...] = ()
     next_experiment: ExperimentEntry | None = None
+    confidence: Number = None
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ def _reasons(report: GapReport) -> str:
 def _candidates(report: GapReport) -> str:
     """A table of each rung; the rung is named where there are several."""
     found = [each for each in rankings(report) if each.rows]
-    tables = [ranking_table(each.rows, report.verdict) for each in found]
+    tables = [ranking_table(each.rows, report.verdict, report.judged.confidence) for each in found]
     if len(found) == 1:
         return tables[0]
     return "\n\n".join(f"### {each.title}\n\n{table}" for each, table in zip(found, tables, strict=True))

@@ -80,8 +80,8 @@ def channel_table(report: GapReport) -> str:
     return table(["channel", "unit", "noise std", *errors, "fit, starts fitted"], rows)
 
 
-def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None) -> str:
-    """Candidates, best first: status, χ², gain with its interval and the effect's own parameters."""
+def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None, confidence: float | None) -> str:
+    """Candidates, best first: status, χ², gain with its interval, of this confidence, and their own parameters."""
     rows = [
         [
             str(place),
@@ -91,7 +91,7 @@ def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None) -> str
         ]
         for place, row in enumerate(ranking, start=1)
     ]
-    return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
+    return table(["", "effect", "status", "χ²", _gain(confidence), "its parameters"], rows)
 
 
 def promise_table(ranking: Sequence[CandidateEntry], verdict: str | None, first: int) -> str:
@@ -103,10 +103,19 @@ def promise_table(ranking: Sequence[CandidateEntry], verdict: str | None, first:
     return table(["", "effect", "status", "promised"], rows)
 
 
-def ranking_summary(ranking: Sequence[CandidateEntry], verdict: str | None) -> str:
+def ranking_summary(ranking: Sequence[CandidateEntry], verdict: str | None, confidence: float | None) -> str:
     """Candidates, best first, without their parameters, which leaves room for whole names on a screen."""
     rows = [[f"`{row.label}`", status(row, verdict), *_outcome(row)[:2]] for row in ranking]
-    return table(["effect", "status", "χ²", "gain (interval)"], rows)
+    return table(["effect", "status", "χ²", _gain(confidence)], rows)
+
+
+def intervals_of(confidence: float | None) -> str:
+    """What intervals are called: with their confidence, which older files lack."""
+    return "interval" if confidence is None else f"{100 * confidence:.3g} % interval"
+
+
+def _gain(confidence: float | None) -> str:
+    return f"gain ({intervals_of(confidence)})"
 
 
 def _outcome(row: CandidateEntry) -> tuple[str, str, str]:

@@ -100,10 +100,15 @@ def test_nothing_is_called_named_where_the_verdict_names_nothing(close_report: d
     text = page(close_report)
     assert _cells(text, "1")[1:3] == ["`coulomb_friction@arm`", "best, not named"]
     assert "- Calibrated model: best, not named. coulomb_friction@arm lowers" in text
-    assert "best, not named" in ranking_summary(from_plain(GapReport, close_report).judged.ranking, verdict)
+    assert "best, not named" in ranking_summary(from_plain(GapReport, close_report).judged.ranking, verdict, None)
     assert " named" not in text.replace("not named", "")
     close_report["ladder"] = close_report["ladder"][:1]
     assert "(+ " not in page(close_report)  # a candidate that was dropped again
+
+
+def test_rankings_say_how_sure_their_intervals_are(close_report: dict[str, Any]) -> None:
+    assert "| gain (interval) |" in page(close_report)  # of an older file
+    assert "| gain (99.5 % interval) |" in page(close_report | {"confidence": 0.995})
 
 
 def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_report: dict[str, Any]) -> None:
