@@ -1,4 +1,4 @@
-"""What no effect explains: a sparse formula of the missing force, and how much any force of the state could explain."""
+"""What no effect explains: a sparse formula of the missing force, and what a forest foretells of it from the state."""
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,7 +27,7 @@ class FormulaSettings:
         least: number of windows below which nothing is said.
         windows: number of windows that forces are looked for in at most.
         pushes: most pushes of one degree of freedom in one of them; machines with many look at fewer windows.
-        trees: of the forest that tells how much any function of the state could explain.
+        trees: of the forest that estimates from below how much a function of the state could explain.
 
     Raises:
         ConfigError: a number is too small.
