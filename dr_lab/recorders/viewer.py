@@ -17,6 +17,7 @@ from dr_lab.recorders.rerun_process import LOCAL, POLL, START_LIMIT, await_port,
 from dr_lab.reports.typed import view_command
 
 _BEGIN = b"RRF"  # of every recording
+_UNREAD = frozenset({".csv", ".html", ".json", ".onnx", ".pt", ".xml", ".yaml"})  # files of runs without an importer
 # s: until the notes that the viewer shows on starting have faded.
 _NOTES_FADE = 6.0
 
@@ -40,6 +41,11 @@ def find_recording(run: str, runs: Path) -> Path:
     recording = path / "review.rrd" if path.is_dir() else path
     if not recording.is_file():
         raise DrLabError(f"There is no recording {recording}. Give run=FOLDER of a run, or run=latest.")
+    if recording.suffix in _UNREAD:
+        raise DrLabError(
+            f"{recording} is no recording, and the viewer opens no {recording.suffix} file. Give run=FOLDER of a run, "
+            "or run=latest."
+        )
     if recording.suffix == ".rrd" and not _begins_as_recording(recording):
         raise DrLabError(
             f"{recording} is no recording: it does not begin as one. Give run=FOLDER of a run, or run=latest; where it "

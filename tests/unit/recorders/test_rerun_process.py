@@ -20,6 +20,16 @@ def test_a_file_that_is_no_recording_is_refused_before_the_viewer_shows_nothing(
             find_recording(str(tmp_path), tmp_path)
 
 
+def test_a_report_is_refused_on_a_screen_as_in_a_browser(tmp_path: Path) -> None:
+    report = tmp_path / "report.json"
+    report.write_text("{}", "utf-8")
+    with pytest.raises(DrLabError, match=r"report\.json is no recording, and the viewer opens no \.json file"):
+        find_recording(str(report), tmp_path)
+    page = tmp_path / "report.md"
+    page.write_text("# page", "utf-8")
+    assert find_recording(str(page), tmp_path) == page
+
+
 @pytest.mark.parametrize("wanted", [99999, -1])
 def test_a_port_that_does_not_exist_is_one_clear_error(wanted: int) -> None:
     with pytest.raises(ConfigError, match=rf"no port {wanted}; give page_port and data_port up to 65535"):
