@@ -11,9 +11,9 @@ from dr_lab.errors import DataError
 from dr_lab.proposal.drives import drives_of
 from dr_lab.proposal.grid import wrapped
 from dr_lab.proposal.output import Output, Positions
+from dr_lab.proposal.per_control import per_control
 from dr_lab.proposal.shared_out import shared_out
 from dr_lab.proposal.survey import Series, Survey
-from dr_lab.proposal.trial import per_control
 
 _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 

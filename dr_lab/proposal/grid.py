@@ -113,6 +113,19 @@ def held_of(series: Series, grid: Grid, lag: float) -> Array:
     return found.ravel()
 
 
+def integral_of(series: Series, grid: Grid, lag: float) -> Array:
+    """What `held_of` holds, integrated from the beginning of every log on, shape (n,)."""
+    found = np.zeros(grid.time.shape)
+    for k, signal in enumerate(series.signals):
+        rows = grid.log == k
+        if rows.any():
+            last = max(float(signal.time[-1]), float(grid.time[rows].max())) + _MARGIN
+            ends = np.append(signal.time, last)
+            total = np.concatenate([[0.0], np.cumsum(signal.value * np.diff(ends))])
+            found[rows] = np.interp(grid.time[rows] - lag, ends, total)
+    return found.ravel()
+
+
 def wrapped(values: Array) -> float:
     """The full turn, 2π or 360, by which most large jumps of a series go; 0 where there are none."""
     jumps = np.abs(np.diff(values))

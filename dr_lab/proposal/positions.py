@@ -12,15 +12,16 @@ from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
 from dr_lab.proposal.drives import UNITS, Drive, drives_of
-from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
+from dr_lab.proposal.grid import Grid, grid_of, held_of, integral_of, path_of, wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
+from dr_lab.proposal.per_control import integrates, per_control
 from dr_lab.proposal.search import Options, search
 from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.settled import all_rests, unit_by_rests
 from dr_lab.proposal.survey import Series, Survey
-from dr_lab.proposal.trial import Trial, per_control
+from dr_lab.proposal.trial import Trial
 from dr_lab.proposal.velocities import may_be_rate, no_velocities
 from dr_lab.proposal.weight import shown_by_weight
 
@@ -246,6 +247,7 @@ def _trial(
     rates: Collection[int],
 ) -> Trial:
     moved, rated = {drive.dof for drive in drives}, {drive.dof for drive in drives if drive.rate}
+    rising = {drive.dof for drive in drives if not drive.added and integrates(model)[model.actuator(drive.name).id]}
     velocities = [k for k, each in enumerate(asked) if each.words.kind == "asked velocity"]
     return Trial(
         model=model,
@@ -257,6 +259,8 @@ def _trial(
         driven=tuple(dof in moved for dof in range(model.nv)),
         biased=biased,
         rates=frozenset(rates),
+        integrals=tuple(tuple(integral_of(each, grid, lag) for lag in settings.lags) for each in asked if rising),
+        integrated=frozenset(rising),
         barred=frozenset((k, dof) for k in velocities for dof in range(model.nv) if dof not in rated),
     )
 

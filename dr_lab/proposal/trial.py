@@ -19,7 +19,6 @@ from dr_lab.trajectory import Array
 
 SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
 _APART = 1e-9  # share of a column that the free ones do not hold, for it to count
-_PROBED = 50  # times at which an actuator's force per control is looked at
 
 
 @dataclass(frozen=True)
@@ -111,6 +110,8 @@ class Trial:
         driven: degrees of freedom that may be driven.
         biased: whether actuators give force at control 0.
         rates: places of candidates that are velocities, integrated.
+        integrals: of `drives`, from the beginning of every log on; empty where no actuator integrates its control.
+        integrated: degrees of freedom whose actuators integrate their control, from an unknown value on.
         barred: which drives command no force at which degree of freedom, as their names say: (drive, dof).
     """
 
@@ -123,6 +124,8 @@ class Trial:
     driven: tuple[bool, ...]
     biased: bool
     rates: frozenset[int] = frozenset()
+    integrals: tuple[tuple[Array, ...], ...] = ()
+    integrated: frozenset[int] = frozenset()
     barred: frozenset[tuple[int, int]] = frozenset()
 
     def motion(self, readings: Sequence[Reading]) -> Motion:
@@ -150,12 +153,26 @@ class Trial:
         constant = np.ones((len(weak), 1))
         idle = np.array([_fit(need[:, j], constant, b)[2] for j, b in enumerate(brakes)]) / size
         given = tuple(
-            self._given(_Joint(j, need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j])))
+            self._given(
+                _Joint(
+                    dof=j,
+                    need=need[:, j],
+                    brakes=brakes[j],
+                    place=weak.project(motion.qpos[:, [j]])[:, 0],
+                    constants=self._of_each_log if j in self.integrated else constant,
+                    size=float(size[j]),
+                )
+            )
             if driven
             else ()
             for j, driven in enumerate(self.driven)
         )
         return Outcome(idle, given, need, weak.project(needed.force), motion.qvel, size)
+
+    @property
+    def _of_each_log(self) -> Array:
+        """Constants that differ between logs, shape (w, logs)."""
+        return (self.grid.log[:, None] == np.unique(self.grid.log)).astype(np.float64)
 
     def _size(self, needed: Demand) -> Array:
         """Squares of the joint's forces about their mean, which a constant would explain."""
@@ -166,7 +183,7 @@ class Trial:
     def _given(self, joint: "_Joint") -> tuple[Given, ...]:
         """What each series gives, at the lag at which it leaves least."""
         found = []
-        for k, late in enumerate(self.drives):
+        for k, late in enumerate(self.integrals if joint.dof in self.integrated else self.drives):
             if (k, joint.dof) in self.barred:
                 continue
             columns = [self.grid.weak.project(values[:, None])[:, 0] for values in late]
@@ -179,18 +196,19 @@ class Trial:
 
 
 class _Joint(NamedTuple):
-    """A joint under a reading: what it needed, what may brake it and where it was, by test function; squares to 1."""
+    """A joint under a reading, by test function: what it needed, brakes, where it was, and constants; squares to 1."""
 
     dof: int
     need: Array
     brakes: Array
     place: Array
+    constants: Array
     size: float
 
 
 def _as_force(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     unit = float(np.abs(column).max()) or 1.0
-    free = np.column_stack([column / unit, np.ones(len(column))])
+    free = np.column_stack([column / unit, joint.constants])
     c, x, left = _fit(joint.need, free, joint.brakes)
     std = _std(np.column_stack([free, joint.brakes[:, x > 0]]), left) / unit
     return Given(k, lag, float(c[0]) / unit, 0.0, 0.0, float(c[1]), left / joint.size, std, float(x[2]))
@@ -199,7 +217,7 @@ def _as_force(k: int, lag: float, column: Array, joint: _Joint) -> Given:
 def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     """Need = kp (f · series − q) − kv q' beside what brakes; f is a unit, or a sign."""
     unit = float(np.abs(column).max()) or 1.0
-    free = np.column_stack([column / unit, np.ones(len(column))])
+    free = np.column_stack([column / unit, joint.constants])
     c, x, left = _fit(joint.need, free, np.column_stack([-joint.place, joint.brakes]))
     return Given(k, lag, float(c[0]) / unit, float(x[0]), float(x[1]), float(c[1]), left / joint.size)
 
@@ -211,33 +229,6 @@ def _std(columns: Array, left: float) -> float:
     alone = columns[:, 0] - others @ (others.T @ columns[:, 0])
     squares = float((alone**2).sum())
     return float(np.sqrt(left / (max(count - known, 1) * squares))) if squares > 0 else np.inf
-
-
-def made_up_motion(model: mujoco.MjModel) -> Motion:
-    """Places about the reference, each with some velocity and acceleration, for what no log needs to show."""
-    rng = np.random.default_rng(0)
-    moving = rng.normal(scale=0.1, size=(3, _PROBED, model.nv))
-    places = np.tile(model.qpos0, (_PROBED, 1))
-    for place, move in zip(places, moving[0], strict=True):
-        mujoco.mj_integratePos(model, place, move, 1.0)
-    log, time, known = np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), np.ones(_PROBED, bool)
-    return Motion(log, time, places, moving[1], moving[2], known, 0.1)
-
-
-def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
-    """Force of each actuator at each degree of freedom per unit of control, shape (nu, nv); whether any acts at 0.
-
-    Activations are given time to settle.
-    """
-    motion = made_up_motion(model)
-    found = np.zeros((model.nu, model.nv))
-    idle = np.zeros((_PROBED, model.nv))
-    for k in range(model.nu):
-        controls = np.zeros((_PROBED, model.nu))
-        controls[:, k] = 1.0
-        acting = actuation(model, motion, controls)
-        found[k], idle = np.median(acting.driven.sum(1)[_PROBED // 2 :], axis=0), acting.idle
-    return found, bool(np.abs(idle).max(initial=0.0) > 0)
 
 
 def _brakes(project: object, motion: Motion, dof: int) -> Array:

@@ -16,9 +16,9 @@ from dr_lab.diagnosis.faults.smoothed_motion import Motion
 from dr_lab.physics.model import Model
 from dr_lab.proposal.drives import Command
 from dr_lab.proposal.output import Positions
+from dr_lab.proposal.per_control import made_up_motion
 from dr_lab.proposal.positions import unhindered
 from dr_lab.proposal.settings import ProposalSettings
-from dr_lab.proposal.trial import made_up_motion
 from dr_lab.trajectory import Array
 
 STEP = 0.01  # share of a parameter, for its influence

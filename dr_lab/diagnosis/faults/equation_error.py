@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings, Index, Mask, Motion
+from dr_lab.physics.activations import resting
 from dr_lab.trajectory import Array
 
 
@@ -175,6 +176,7 @@ def _actuator_forces(model: mujoco.MjModel, motion: Motion, controls: Array) -> 
     for k in range(len(motion)):
         if first[k]:
             mujoco.mj_resetData(model, data)
+            data.act[:] = resting(model, motion.qpos[k : k + 1], controls[k : k + 1])[0]
         data.qpos[:], data.qvel[:], data.ctrl[:] = motion.qpos[k], motion.qvel[k], controls[k]
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)

@@ -5,7 +5,13 @@ import numpy as np
 import pytest
 
 from dr_lab.diagnosis.faults.equation_error import actuation, demand, parameter_columns, weak_form
-from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings, controls_at, smoothed_motion, untestable
+from dr_lab.diagnosis.faults.smoothed_motion import (
+    EquationErrorSettings,
+    Motion,
+    controls_at,
+    smoothed_motion,
+    untestable,
+)
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 
@@ -115,3 +121,11 @@ def test_unmeasured_joints_are_said() -> None:
     assert untestable(compiled(), swinging()) == ""
     other = mujoco.MjModel.from_xml_string(XML.format(actuator=MOTOR).replace('"hinge"', '"knee"'))
     assert "knee" in untestable(other, swinging())
+
+
+def test_a_servo_that_integrates_its_command_begins_where_its_joint_is() -> None:
+    servo = compiled('<intvelocity name="motor" joint="hinge" kp="50" actrange="-3 3"/>')
+    place, rest = np.full((3, 1), 0.7), np.zeros((3, 1))
+    motion = Motion(np.zeros(3, np.intp), np.array([0.0, 0.1, 0.2]), place, rest, rest, np.ones(3, bool), 0.1)
+    np.testing.assert_allclose(actuation(servo, motion, rest).force, 0.0, atol=1e-12)
+    np.testing.assert_allclose(actuation(servo, motion, rest + 2.0).force[-1], 50 * 2.0 * 0.3)

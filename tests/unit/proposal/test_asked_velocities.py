@@ -48,9 +48,19 @@ def test_a_velocity_that_is_asked_for_commands_a_velocity_servo(column: str, fac
     assert list(found["outputs"]) == ["rail.position", "pivot.position"]
 
 
-def test_a_velocity_that_is_asked_for_commands_a_servo_that_holds_its_integral() -> None:
+def test_a_velocity_that_is_asked_for_commands_a_servo_that_holds_its_integral(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     found = proposed(INTEGRATED, "t,rail_pos,pivot_pos,rail_speed_setpoint")
     assert found["commands"] == {"rail_drive": {"column": "rail_speed_setpoint", "unit": "m/s"}}
+    told = capsys.readouterr().out
+    assert "explains 100% of what rail needs; gain 1" in told
+    assert "Unsure" not in told
+
+
+def test_the_motion_tells_the_unit_of_an_integrated_command() -> None:
+    found = proposed(INTEGRATED, "t,rail_pos,pivot_pos,rail_speed_setpoint", factor=1e3)
+    assert found["commands"] == {"rail_drive": {"column": "rail_speed_setpoint", "unit": "mm/s"}}
 
 
 def test_a_velocity_that_is_asked_for_commands_no_motor(capsys: pytest.CaptureFixture[str]) -> None:
