@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 
+import mujoco
+
 from dr_lab.effects.effect import Effect, Scales, place
 from dr_lab.errors import ConfigError, ModelError, UnknownNameError
 from dr_lab.physics.model import Model
@@ -22,8 +24,9 @@ def with_named_effects(model: Model, effects: Mapping[str, Effect], names: Itera
 
     Raises:
         UnknownNameError: there is no such effect, or it cannot sit there.
+        ConfigError: a parameter is not named whose usual value only logs tell.
     """
-    compiled = model.nominal()
+    compiled, names = model.nominal(), list(names)
     for name in names:
         label, _, _ = name.rpartition(".")
         kind, at, site = label.partition("@")
@@ -31,8 +34,24 @@ def with_named_effects(model: Model, effects: Mapping[str, Effect], names: Itera
             continue
         if kind not in effects:
             raise UnknownNameError("effect", kind, effects, f"the catalogue (parameter {name!r})")
-        model = model.with_effect(place(effects[kind], compiled, site, _UNKNOWN_MACHINE))
+        placed = place(effects[kind], compiled, site, _UNKNOWN_MACHINE)
+        usual = {p.name: p.nominal for p in place(effects[kind], compiled, site, _unit_scales(compiled)).parameters}
+        untold = [p.name for p in placed.parameters if p.nominal != usual[p.name] and p.name not in names]
+        if untold:
+            raise ConfigError(
+                f"{name} is given without {', '.join(untold)}, whose usual value only a machine's logs tell. Give "
+                f"{'it' if len(untold) == 1 else 'them'} as well: {untold[0]}: NUMBER."
+            )
+        model = model.with_effect(placed)
     return model
+
+
+def _unit_scales(compiled: mujoco.MjModel) -> Scales:
+    """Those of a machine all of whose magnitudes are 1."""
+    joints = [compiled.joint(i).name for i in range(compiled.njnt)]
+    low, one = dict.fromkeys(joints, -0.5), dict.fromkeys(joints, 1.0)
+    high, command = dict.fromkeys(joints, 0.5), {compiled.actuator(i).name: 1.0 for i in range(compiled.nactuator)}
+    return Scales(low, high, one, one, command)
 
 
 def require_possible(model: Model, z: Array, called: str) -> None:

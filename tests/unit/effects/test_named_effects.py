@@ -4,7 +4,7 @@ import pytest
 from effect_machines import block, catalogue_effect
 
 from dr_lab.effects.named import with_named_effects
-from dr_lab.errors import UnknownNameError
+from dr_lab.errors import ConfigError, UnknownNameError
 
 EFFECTS = {name: catalogue_effect(name) for name in ("viscous_friction", "spring", "sensor_time_offset")}
 
@@ -31,3 +31,11 @@ def test_the_value_acts() -> None:
 def test_mistakes_are_named(name: str, text: str) -> None:
     with pytest.raises(UnknownNameError, match=text):
         with_named_effects(block(), EFFECTS, [name])
+
+
+def test_what_only_logs_tell_must_be_given() -> None:
+    power = {"command_power": catalogue_effect("command_power")}
+    with pytest.raises(ConfigError, match=r"without command_power@drive\.full, whose .* Give it as well"):
+        with_named_effects(block(), power, ["command_power@drive.exponent"])
+    named = ["command_power@drive.exponent", "command_power@drive.full"]
+    assert with_named_effects(block(), power, named).effects[0].label == "command_power@drive"
