@@ -59,6 +59,7 @@ class Backlash(MotorSideEffect, ForceLaw):
     fingerprint: ClassVar[str] = "the link coasts and is hit whenever the torque that it takes turns round"
     confused_with: ClassVar[tuple[str, ...]] = ("joint_elasticity", "dead_zone", "hysteresis", "actuator_delay")
     shapes: ClassVar[tuple[str, ...]] = ("rotor",)
+    divisors: ClassVar[tuple[str, ...]] = ("rotor",)
     lacks: ClassVar[str] = "the motor that turns freely within the gap; the file holds it rigid with its link"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

@@ -48,6 +48,7 @@ class CommandPower(ActuatorEffect, StaticFilter):
     fingerprint: ClassVar[str] = "force residual that is none at no command and at the full one, and largest between"
     confused_with: ClassVar[tuple[str, ...]] = ("dead_zone", "saturation", "torque_scale", "voltage_sag")
     shapes: ClassVar[tuple[str, ...]] = ("full",)
+    divisors: ClassVar[tuple[str, ...]] = ("full",)
     limited: ClassVar[tuple[str, ...]] = ("exponent",)
     argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the power law, through which commands go before they reach the actuator"

@@ -83,6 +83,7 @@ class Effect(ABC):
         shapes: short names of the parameters that act only while another one is away from absent.
         sharpened: those of the shapes whose lower bound, above 0, may be halved: towards 0 the effect only becomes one
             of its special cases.
+        divisors: short names of the parameters that the law divides by, so that 0 and less make none.
         limited: short names of other parameters whose bounds are physics, not where one looks first; see `limit`.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
         argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
@@ -100,6 +101,7 @@ class Effect(ABC):
     holds: ClassVar[Mapping[str, SpecialCase]] = {}
     shapes: ClassVar[tuple[str, ...]] = ()
     sharpened: ClassVar[tuple[str, ...]] = ()
+    divisors: ClassVar[tuple[str, ...]] = ()
     limited: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
     argument: ClassVar[str] = ""

@@ -52,6 +52,7 @@ class EndStop(JointEffect, SpecEdit):
     law: ClassVar[str] = "lower <= q <= upper"
     fingerprint: ClassVar[str] = "the joint turns back hard at one place, where the model goes on"
     limited: ClassVar[tuple[str, ...]] = ("upper", "lower", "time_constant", "damping_ratio")
+    divisors: ClassVar[tuple[str, ...]] = ("time_constant", "damping_ratio")
     confused_with: ClassVar[tuple[str, ...]] = ("spring",)
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

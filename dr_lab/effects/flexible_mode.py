@@ -61,6 +61,7 @@ class FlexibleMode(JointEffect, ForceLaw):
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "inertia_error", "joint_elasticity", "payload")
     holds: ClassVar[Mapping[str, SpecialCase]] = {"armature": SpecialCase(("period",), {"inertia": "inertia"})}
     shapes: ClassVar[tuple[str, ...]] = ("period", "damping")
+    divisors: ClassVar[tuple[str, ...]] = ("period",)
     limited: ClassVar[tuple[str, ...]] = ("inertia",)
     lacks: ClassVar[str] = "the part that swings on a spring; add a body on a sprung joint for it"
 

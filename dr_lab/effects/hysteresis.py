@@ -63,6 +63,7 @@ class Hysteresis(JointEffect, ForceLaw):
         "coulomb_friction": SpecialCase(("displacement",), {"torque": "torque"})
     }
     shapes: ClassVar[tuple[str, ...]] = ("displacement",)
+    divisors: ClassVar[tuple[str, ...]] = ("displacement",)
     lacks: ClassVar[str] = "the spring that yields, whose displacement goes on from step to step"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

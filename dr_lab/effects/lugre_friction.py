@@ -76,6 +76,7 @@ class LugreFriction(JointEffect, ForceLaw):
         ),
     }
     shapes: ClassVar[tuple[str, ...]] = ("speed", "displacement", "retardation")
+    divisors: ClassVar[tuple[str, ...]] = ("speed",)
     lacks: ClassVar[str] = "the bristles, whose bend goes on from step to step"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

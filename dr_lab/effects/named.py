@@ -72,6 +72,11 @@ def require_possible(model: Model, z: Array, called: str) -> None:
     ]
     if below:
         raise ConfigError(f"{called} has {'; '.join(below)}, where the effect is absent.")
+    placed = [(effect.label, effect.effect) for effect in model.effects if isinstance(effect.effect, Effect)]
+    divisors = [f"{label}.{name}" for label, effect in placed for name in effect.divisors]
+    naught = [f"{name} {values[name]:g}, expected above 0" for name in divisors if not values[name] > 0]
+    if naught:
+        raise ConfigError(f"{called} has {'; '.join(naught)}, for the law divides by it.")
     try:
         model.compile(z)
     except ModelError as error:

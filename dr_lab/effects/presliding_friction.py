@@ -74,6 +74,7 @@ class PreslidingFriction(JointEffect, ForceLaw):
         "smooth_friction": SpecialCase(("displacement", "retardation"), {"torque": "torque", "creep": "creep"}),
     }
     shapes: ClassVar[tuple[str, ...]] = ("displacement", "creep", "retardation")
+    divisors: ClassVar[tuple[str, ...]] = ("creep",)
     sharpened: ClassVar[tuple[str, ...]] = ("creep",)
     lacks: ClassVar[str] = "the bristles, whose bend goes on from step to step"
 

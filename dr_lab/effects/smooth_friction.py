@@ -60,6 +60,7 @@ class SmoothFriction(JointEffect, ForceLaw):
     )
     holds: ClassVar[Mapping[str, SpecialCase]] = {"coulomb_friction": SpecialCase(("creep",), {"torque": "torque"})}
     shapes: ClassVar[tuple[str, ...]] = ("creep",)
+    divisors: ClassVar[tuple[str, ...]] = ("creep",)
     sharpened: ClassVar[tuple[str, ...]] = ("creep",)
     lacks: ClassVar[str] = "friction that passes smoothly through zero velocity"
 

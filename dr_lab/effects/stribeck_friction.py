@@ -62,6 +62,7 @@ class StribeckFriction(DryFrictionEffect, SpecEdit):
     )
     holds: ClassVar[Mapping[str, SpecialCase]] = {"coulomb_friction": SpecialCase(("excess",), {"kinetic": "torque"})}
     shapes: ClassVar[tuple[str, ...]] = ("speed",)
+    divisors: ClassVar[tuple[str, ...]] = ("speed",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The two torques and the Stribeck speed."""

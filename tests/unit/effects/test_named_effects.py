@@ -1,9 +1,9 @@
 """Effects put into a model by the names of their parameters."""
 
 import pytest
-from effect_machines import block, catalogue_effect
+from effect_machines import block, catalogue_effect, placed
 
-from dr_lab.effects.named import with_named_effects
+from dr_lab.effects.named import require_possible, with_named_effects
 from dr_lab.errors import ConfigError, UnknownNameError
 
 EFFECTS = {name: catalogue_effect(name) for name in ("viscous_friction", "spring", "sensor_time_offset")}
@@ -39,3 +39,13 @@ def test_what_only_logs_tell_must_be_given() -> None:
         with_named_effects(block(), power, ["command_power@drive.exponent"])
     named = ["command_power@drive.exponent", "command_power@drive.full"]
     assert with_named_effects(block(), power, named).effects[0].label == "command_power@drive"
+
+
+@pytest.mark.parametrize("name", ["smooth_friction@rail.creep", "stribeck_friction@rail.speed"])
+def test_what_a_law_divides_by_is_not_zero(name: str) -> None:
+    label, _, short = name.rpartition(".")
+    kind, _, site = label.partition("@")
+    model = block().with_effect(placed(block(), kind, site))
+    with pytest.raises(ConfigError, match=rf"context has {name} 0, expected above 0, for the law divides by it"):
+        require_possible(model, model.space.vector({name: 0.0}), "context")
+    assert short in catalogue_effect(kind).divisors
