@@ -19,6 +19,7 @@ from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
 INSTRUCTIONS = ("_target_", "_args_", "_convert_", "_partial_", "_recursive_")
 PLAIN = (bool, int, float, str, type(None), Any)
 YAML = (dict, list, str, int, float, type(None))
+_INFINITE = (".inf", "-.inf")  # as a yaml file has it; in an override it is a text
 CONTAINERS = (list, dict, collections.abc.Sequence, collections.abc.Mapping, typing.Literal, types.UnionType)
 
 
@@ -176,6 +177,8 @@ def _of_plain(value: object, hint: object, place: Place) -> str:
     remedy = ""
     if isinstance(value, float) and value.is_integer() and _fits(int(value), hint):
         remedy = f" Write {place}={value:.0f}."
+    elif value in _INFINITE and _fits(float("inf"), hint):
+        remedy = f" On the command line write {place}={str(value).replace('.', '')}; {value} is how a yaml file has it."
     elif isinstance(value, str) and _fits([value], hint):
         remedy = f" Write '{place}=[{value}]'."
     return f"{place} is {given}; expected {expected(hint)}.{remedy}"

@@ -29,6 +29,7 @@ SAYS = {
     ("horizon=${foo}",): ["horizon: Interpolation key 'foo' not found"],
     ("horizon=${oc.env:NOT_SET}",): ["horizon: \"Environment variable 'NOT_SET' not found"],
     ("horizon=long",): ["horizon is 'long'; expected a number."],
+    ("horizon=-.inf",): ["horizon is '-.inf'; expected a number. On the command line write horizon=-inf; -.inf is"],
     ("threads=1e2",): ["threads is 100.0; expected a whole number or null. Write threads=100."],
     ("horizon=null",): ["horizon is null; expected a number."],
     ("+least=many", "+most=${least}", "horizon=${most}"): ["dr-lab compare: least is 'many'; "],
