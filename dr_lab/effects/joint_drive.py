@@ -181,6 +181,13 @@ def _at_link(model: mujoco.MjModel, joint: int) -> Array:
     return found
 
 
+def passive(model: mujoco.MjModel, joint: int) -> Array:
+    """What a unit of each actuator's output gives the joint where it takes no command and does not cog, (nout,)."""
+    which, found = _at(model, joint) & (model.actuator_ctrlnum == 0) & ~_cogs(model), np.zeros(model.nout)
+    found[model.actuator_outadr[which]] = model.actuator_gear[which, 0]
+    return found
+
+
 def _hold_commands(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Let actuators that remember commands have had the present ones all along."""
     for actuator in np.flatnonzero(model.actuator_history[:, 0]):

@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_drive import passive
 from dr_lab.effects.joint_effect import driven
 from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
@@ -20,8 +21,9 @@ from dr_lab.trajectory import Array
 class LoadDependentFriction(DryFrictionEffect, ForceLaw):
     """Dry friction between loaded teeth: proportional to what the motor and the outside press onto the gear.
 
-    |tau| ≤ K |tau_m − tau_e|, against the motion: tau_m the actuators' torque at the joint, tau_e the outside's, which
-    is that of gravity, centrifugal and Coriolis forces. A motor that holds a weight presses with twice its torque.
+    |tau| ≤ K |tau_m − tau_e|, against the motion: tau_m the motors' torque at the joint, tau_e the outside's, which is
+    that of gravity, centrifugal and Coriolis forces. Actuators without a command are no motors, but for their cogging:
+    other effects write frictions, offsets and springs so. A motor that holds a weight presses with twice its torque.
     Written into MuJoCo's ``frictionloss`` before every step, made hard by `DryFriction`.
 
     Parameters (nominal = absent): share K ≥ 0 [1].
@@ -55,16 +57,27 @@ class LoadDependentFriction(DryFrictionEffect, ForceLaw):
 
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The friction loss of each step."""
-        return _Loaded(int(models[0].joint(site).dofadr[0]), values["share"])
+        joint = models[0].joint(site)
+        return _Loaded(int(joint.dofadr[0]), values["share"], passive(models[0], joint.id))
 
 
 @dataclass(frozen=True)
 class _Loaded(Law):
-    """Friction loss in proportion to the load of a degree of freedom; share of shape (n,)."""
+    """Friction loss in proportion to the load of a degree of freedom.
+
+    Attributes:
+        dof: the degree of freedom.
+        share: of the load, shape (n,).
+        passive: what a unit of each actuator's output gives it where that is no motor's, shape (nout,).
+    """
 
     dof: int
     share: Array
+    passive: Array
 
     def act(self, moment: Moment, influence: Influence) -> None:
-        load = np.abs(moment.actuation[:, self.dof] + moment.bias[:, self.dof])
-        influence.friction[:, self.dof] += self.share * load
+        motors = moment.actuation[:, self.dof] - moment.outputs @ self.passive
+        influence.friction[:, self.dof] += self.share * np.abs(motors + moment.bias[:, self.dof])
+
+    def replay_history(self, moment: Moment, influence: Influence) -> None:
+        """Nothing: the load of then is unknown."""

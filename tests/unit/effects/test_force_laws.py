@@ -67,6 +67,26 @@ def test_a_motor_that_holds_a_weight_presses_twice() -> None:
     assert rollout.qvel[0, 10, 0] - 1.0 == pytest.approx(-0.02 * 0.1 * 2 * weight / INERTIA, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("other", "values"),
+    [("constant_offset", {"torque": -3.0}), ("stribeck_friction", {"kinetic": 0.0, "excess": 3.0, "speed": 1.0})],
+)
+def test_what_other_effects_write_as_actuators_is_no_load_of_the_gear(other: str, values: dict[str, float]) -> None:
+    beside = placed(block(), other, "rail")
+    model, moving = block().with_effect(beside), {}
+    effect = placed(block(), "load_dependent_friction", "rail")
+    extended = model.with_effect(effect)
+    for share in (0.0, 0.2):
+        given = {f"{beside.label}.{name}": value for name, value in values.items()}
+        simulator = Simulator(extended, 1, threads=1)
+        simulator.set_contexts(extended.space.vector({**given, f"{effect.label}.share": share})[None])
+        simulator.reset()
+        simulator.batch.bind("qvel")[:] = 2.0
+        simulator.step(np.full((1, 1), 4.0), 2)
+        moving[share] = float(simulator.batch.bind("qvel")[0, 0])
+    assert moving[0.2] - moving[0.0] == pytest.approx(-2 * 0.002 * 0.2 * 4.0 / MASS, rel=0.01)
+
+
 def test_friction_over_the_turn_takes_its_work() -> None:
     """½ I (ω² − ω₀²) = −tau_m ∫ (1 + a sin θ + b cos θ) dθ without gravity."""
     model = hanging()
