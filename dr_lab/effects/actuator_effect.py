@@ -61,6 +61,11 @@ def actuator_of(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsActu
     return actuator
 
 
+def idle_at_zero(model: mujoco.MjModel, row: int) -> bool:
+    """Whether an actuator's force does not depend on position, so that the command 0 asks for no place."""
+    return not model.actuator_biasprm[row, 1]
+
+
 def _alike(model: mujoco.MjModel, names: Sequence[str]) -> bool:
     """Whether drives are of one make: their forces follow the same law of command and motion, whatever their axes."""
     first, *others = (_force_law(model, model.actuator(name).id) for name in names)

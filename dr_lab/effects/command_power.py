@@ -7,7 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.actuator_effect import ActuatorEffect
+from dr_lab.effects.actuator_effect import ActuatorEffect, idle_at_zero
 from dr_lab.effects.command_filter import StaticFilter
 from dr_lab.effects.effect import Scales
 from dr_lab.physics.parameter import Parameter
@@ -55,7 +55,7 @@ class CommandPower(ActuatorEffect, StaticFilter):
 
     def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
         """Where the force does not depend on position."""
-        return not model.actuator_biasprm[row, 1]
+        return idle_at_zero(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The exponent, and the command at which the force is right."""

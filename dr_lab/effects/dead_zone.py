@@ -7,7 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.actuator_effect import ActuatorEffect
+from dr_lab.effects.actuator_effect import ActuatorEffect, idle_at_zero
 from dr_lab.effects.command_filter import StaticFilter
 from dr_lab.effects.effect import Scales
 from dr_lab.physics.parameter import Parameter
@@ -21,8 +21,8 @@ class DeadZone(ActuatorEffect, StaticFilter):
     u → sign(u) max(|u| − d, 0).
 
     Parameters (nominal = absent): width d ≥ 0 [unit of the command].
-    Limits: actuators with one command, whose zero is no force (of a position servo it would be a zone about the zero
-    position); symmetric. Acts on step averages, so a command that changes within a step is off by less than d for
+    Limits: actuators with one command that are no position servos, whose zero is no force (it would be a zone about the
+    zero position); symmetric. Acts on step averages, so a command that changes within a step is off by less than d for
     that step.
     Source: Tao and Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities (1996), chapter 2.
 
@@ -47,6 +47,10 @@ class DeadZone(ActuatorEffect, StaticFilter):
     )
     argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the dead zone, through which commands go before they reach the actuator"
+
+    def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
+        """Where the force does not depend on position."""
+        return idle_at_zero(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The width."""

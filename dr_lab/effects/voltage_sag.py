@@ -7,7 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.actuator_effect import ActuatorEffect
+from dr_lab.effects.actuator_effect import ActuatorEffect, idle_at_zero
 from dr_lab.effects.command_filter import StaticFilter
 from dr_lab.effects.effect import Scales
 from dr_lab.physics.parameter import Parameter
@@ -22,8 +22,9 @@ class VoltageSag(ActuatorEffect, StaticFilter):
     not k, so that its value holds for other logs too.
 
     Parameters (nominal = absent): slope c ≥ 0 [1/unit of the command].
-    Limits: actuators with one command, whose zero is no load; the load is taken as proportional to the command
-    (neither back-EMF nor other consumers of the same supply count). k ≤ ½ keeps larger commands larger.
+    Limits: actuators with one command that are no position servos, whose zero is no load; the load is taken as
+    proportional to the command (neither back-EMF nor other consumers of the same supply count). k ≤ ½ keeps larger
+    commands larger.
     Source: Horowitz and Hill, The Art of Electronics, 3rd edition (2015), chapter 1 (Thévenin equivalent of a source).
 
     Attributes:
@@ -42,6 +43,10 @@ class VoltageSag(ActuatorEffect, StaticFilter):
     confused_with: ClassVar[tuple[str, ...]] = ("saturation", "command_power", "torque_scale", "quadratic_drag")
     argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the supply's sag, which weakens commands before they reach the actuator"
+
+    def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
+        """Where the force does not depend on position."""
+        return idle_at_zero(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The slope."""

@@ -57,8 +57,9 @@ def test_step_by_step_it_is_the_series() -> None:
     np.testing.assert_array_equal(np.array(made).T, effect.output(rows, SERIES[0]))
 
 
-def test_a_position_servo_has_no_power_of_its_command() -> None:
-    effect = catalogue_effect("command_power")
+@pytest.mark.parametrize("name", ["command_power", "dead_zone", "voltage_sag"])
+def test_what_depends_on_the_size_of_a_command_is_not_at_a_position_servo(name: str) -> None:
+    effect = catalogue_effect(name)
     assert isinstance(effect, ActuatorEffect)
     assert effect.sites(block().nominal()) == ("drive",)
     assert effect.sites(block(SERVO).nominal()) == ()
