@@ -9,7 +9,7 @@ from torch import Tensor, nn
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.randomizer import Density, shared_edges
 from dr_lab.trajectory import Array
 
 
@@ -58,6 +58,16 @@ class MixtureRandomizer(Density):
         """Log Σ_k w_k p_k(z)."""
         parts = [self._component(k).log_prob(z) for k in range(len(self.components))]
         return (torch.stack(parts, -1) + self.logits.log_softmax(0)).logsumexp(-1)
+
+    def edges(self, axis: int) -> Array:
+        """Those of the components where they are the same."""
+        found = shared_edges([self._component(k) for k in range(len(self.components))], axis)
+        return super().edges(axis) if found is None else found
+
+    def shares(self, axis: int, edges: Array) -> Array:
+        """Those of the components by their weights."""
+        each = [self._component(k).shares(axis, edges) for k in range(len(self.components))]
+        return self.logits.detach().softmax(0).numpy() @ np.array(each)
 
     def _component(self, k: int) -> Density:
         component = self.components[k]

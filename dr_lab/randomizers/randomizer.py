@@ -69,6 +69,12 @@ class Randomizer(nn.Module, ABC):
         return self.sample([stream(0, "snapshot")] * _DRAWS)
 
 
+def shared_edges(parts: Sequence[Randomizer], axis: int) -> Array | None:
+    """Edges of the bins in which pictures show a parameter, where they are those of all parts of a distribution."""
+    first, *others = (part.edges(axis) for part in parts)
+    return first if all(np.array_equal(first, other) for other in others) else None
+
+
 def bin_shares(below: Array) -> Array:
     """Probability of each bin, shape (b,), from the distribution function at its edges; the outermost hold all beyond.
 

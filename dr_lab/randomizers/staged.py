@@ -9,7 +9,7 @@ from torch import Tensor, nn
 
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.randomizer import Density, shared_edges
 from dr_lab.trajectory import Array
 
 
@@ -62,6 +62,19 @@ class StagedRandomizer(Density):
     def log_prob(self, z: Tensor) -> Tensor:
         """That of the present stage."""
         return self._present.log_prob(z)
+
+    def edges(self, axis: int) -> Array:
+        """Those of the stages where they are the same."""
+        found = shared_edges([cast(Density, stage) for stage in self.stages], axis)
+        return super().edges(axis) if found is None else found
+
+    def shares(self, axis: int, edges: Array) -> Array:
+        """Those of the present stage."""
+        return self._present.shares(axis, edges)
+
+    def moments(self) -> tuple[Array, Array] | None:
+        """Those of the present stage."""
+        return self._present.moments()
 
     @property
     def _present(self) -> Density:

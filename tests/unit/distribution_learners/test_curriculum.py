@@ -57,6 +57,20 @@ def test_each_half_of_the_training_has_its_stage(order: tuple[str, str]) -> None
     assert drawn_from(learner, limits[order[1]])
 
 
+def test_pictures_show_a_stage_as_it_is_and_no_count_of_draws() -> None:
+    randomizer = staged()
+    randomizer.enter("high")
+    whole = randomizer.marginal(0)
+    inside = whole[whole > 0]
+    assert len(inside) == 10  # of the sixtieths of 12 N, those of 2 N
+    np.testing.assert_allclose(inside, 0.1)
+    moments = randomizer.moments()
+    assert moments is not None
+    mean, covariance = moments
+    np.testing.assert_allclose(mean, [19.0])
+    np.testing.assert_allclose(covariance, [[2.0**2 / 12]])
+
+
 def test_a_stage_that_is_named_twice_lasts_twice_as_long() -> None:
     learner = curriculum(("low", "low", "high"), frames=90)
     assert [learn(learner, 30) for _ in range(2)] == [1.0, 2.0]

@@ -1,6 +1,7 @@
 """Draws of every randomizer follow its density, stream by stream."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -195,3 +196,12 @@ def test_a_uniform_density_is_level() -> None:
     mean, covariance = randomizer.moments()
     np.testing.assert_allclose(mean, (SPACE.low + SPACE.high) / 2)
     np.testing.assert_allclose(covariance, np.diag(SPACE.span**2 / 12))
+
+
+def test_pictures_of_a_mixture_are_its_components_by_their_weights() -> None:
+    middle = float(SPACE.low[0] + SPACE.span[0] / 2)
+    halves = {"low": [float(SPACE.low[0]), middle], "high": [middle, float(SPACE.high[0])]}
+    box = {name: partial(UniformRandomizer, ranges={SPACE.names[0]: ends}) for name, ends in halves.items()}
+    mixed = MixtureRandomizer(SPACE, box, {"low": 3.0, "high": 1.0})
+    edges = np.array([SPACE.low[0], middle, SPACE.high[0]])
+    np.testing.assert_allclose(mixed.shares(0, edges), [0.75, 0.25])
