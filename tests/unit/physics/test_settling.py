@@ -3,6 +3,8 @@ import numpy as np
 import pytest
 from effect_machines import placed
 
+from dr_lab.errors import ModelError
+from dr_lab.physics.compiling import written
 from dr_lab.physics.model import Declared, from_spec
 from dr_lab.physics.simulator import Simulator
 from dr_lab.physics.straight import Straight
@@ -70,3 +72,21 @@ def pulling(model: mujoco.MjModel) -> float:
     data.qpos[0], data.act[0] = 0.3, 1.0
     mujoco.mj_forward(model, data)
     return float(data.actuator_force[0])
+
+
+ALIGNED = """<mujoco><compiler {compiler}/><worldbody><body name="box" pos="0 0 1"><freejoint {joint}/>
+  <inertial mass="1" pos="{centre} 0 0" diaginertia="0.01 0.02 0.03"/><geom size="0.1"/></body></worldbody></mujoco>"""
+CENTRE: Declared = {"centre": {"target": "body.box.ipos[0]", "unit": "m", "low": -0.2, "high": 0.3}}
+
+
+@pytest.mark.parametrize(("compiler", "joint"), [('alignfree="true"', ""), ("", 'align="true"')])
+def test_a_free_frame_that_a_compiler_moves_is_refused_and_where_it_is_does_not_move(compiler: str, joint: str) -> None:
+    text = ALIGNED.format(compiler=compiler, joint=joint, centre=0.1)
+    with pytest.raises(ModelError, match=r"moves the frame of box into its centre of mass \(compiler alignfree"):
+        from_spec("box", mujoco.MjSpec.from_string(text), CENTRE)
+    spec = mujoco.MjSpec.from_string(text.replace("<compiler", '<compiler savecompiled="true"'))
+    from_spec("box", mujoco.MjSpec.from_string(written(spec)), CENTRE)  # the remedy
+    model = from_spec("box", mujoco.MjSpec.from_string(text.replace("0.1 0 0", "0 0 0")), CENTRE)
+    moved = model.compile(np.array([0.2]))
+    np.testing.assert_array_equal(moved.qpos0, model.nominal().qpos0)
+    np.testing.assert_array_equal(moved.body_ipos[1], [0.2, 0.0, 0.0])
