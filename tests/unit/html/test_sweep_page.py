@@ -49,7 +49,7 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
 def test_axes_have_the_units_of_their_figures() -> None:
     groups = [GroupEntry({}, ("0",), {"context.mass.mean": {"iqm": value}}) for value in (1.0, 2.0)]
     (plot,) = comparison_plots(groups, ["adr", "udr"], {"context.mass.mean": "kg"})
-    assert plot.figure.layout.xaxis.title.text == "context.mass.mean [kg]"
+    assert plot.figure.to_dict()["layout"]["xaxis"]["title"]["text"] == "context.mass.mean [kg]"
 
 
 def test_titles_side_by_side_have_room() -> None:
