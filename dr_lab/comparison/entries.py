@@ -241,5 +241,5 @@ def _cv_percent(parameter: Parameter, values: Array, mean: float, std: float) ->
     It is unknown where one of them ends at a bound, which hides how far it would go. It says nothing beside a value
     that may be 0, such as an angle whose zero lies there.
     """
-    known = len(values) > 1 and abs(mean) > std and not any(any(parameter.ends(value)) for value in values.tolist())
+    known = len(values) > 1 and abs(mean) > std and not any(any(parameter.touches(value)) for value in values.tolist())
     return float(100 * np.std(values, ddof=1) / abs(mean)) if known else float("nan")

@@ -113,7 +113,7 @@ def disagreeing_logs(bench: Bench, last: FittedModel) -> list[NoteEntry]:
         least, most = int(values[:, k].argmin()), int(values[:, k].argmax())
         low, high = float(values[least, k]), float(values[most, k])
         noise = left * (std[least, k] ** 2 + std[most, k] ** 2)
-        inside = parameter.low >= 0 and not any(any(parameter.ends(value)) for value in (low, high))
+        inside = parameter.low >= 0 and not any(any(parameter.touches(value)) for value in (low, high))
         if inside and high > bench.evidence.growth * low and (high - low) ** 2 > bench.evidence.threshold * noise:
             asked = [
                 f"{bench.fit.logs[row]} asks for {uncertain(value, None, parameter.unit)}"

@@ -51,15 +51,20 @@ class Parameter:
         return self.high - self.low
 
     def ends(self, value: float) -> tuple[bool, bool]:
-        """Whether a value lies at the lower and at the upper bound, as fits end there."""
+        """Whether a value lies at the lower and at the upper bound, as fits end there, whose steps are of the width."""
+        near = AT_A_BOUND * self.span
+        return value - self.low < near, self.high - value < near
+
+    def touches(self, value: float) -> tuple[bool, bool]:
+        """The same to a reader, to whom bounds of one sign may be orders of magnitude apart.
+
+        A share of their width would hold many times the smaller one, so a share of their ratio counts.
+        """
         return value - self.low < _near(self.low, self.high), self.high - value < _near(self.high, self.low)
 
 
 def _near(bound: float, other: float) -> float:
-    """How near to a bound a value counts as at it: a share of the width, or of the factor where bounds have one sign.
-
-    Bounds may be orders of magnitude apart: a share of their width would hold many times the smaller one.
-    """
+    """How near to a bound a value touches it."""
     if abs(bound) < abs(other) and bound * other > 0:
         return abs(bound) * ((other / bound) ** AT_A_BOUND - 1)
     return AT_A_BOUND * abs(other - bound)

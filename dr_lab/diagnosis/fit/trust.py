@@ -41,7 +41,7 @@ def _few(count: int, windows: Windows, settings: EvidenceSettings) -> str:
 def at_bounds(found: ContextEstimate) -> dict[str, bool]:
     """Whether each parameter lies at one of its bounds; one that the fit left alone does not."""
     rows = zip(found.space.parameters, found.mean.tolist(), found.std.tolist(), strict=True)
-    return {p.name: any(p.ends(value)) and std > 0 for p, value, std in rows}
+    return {p.name: any(p.touches(value)) and std > 0 for p, value, std in rows}
 
 
 def worst_direction(space: ContextSpace, fit: Fit) -> dict[str, float]:

@@ -30,8 +30,8 @@ def test_estimate_tells_standard_deviations() -> None:
 
 def test_a_value_far_above_a_small_bound_is_not_at_it() -> None:
     speed = Parameter("creep", "rad/s", 0.01, 0.0009031, 3.612)
-    assert speed.ends(0.002273) == (False, False)
-    assert speed.ends(0.000904) == (True, False)
-    assert speed.ends(3.611) == (False, True)
-    assert Parameter("fall", "m/s", -0.01, -3.612, -0.0009031).ends(-0.002273) == (False, False)
-    assert Parameter("torque", "N", 0.0, 0.0, 2.0).ends(0.001) == (True, False)
+    assert speed.touches(0.002273) == (False, False)
+    assert speed.touches(0.000904) == (True, False)
+    assert speed.touches(3.611) == (False, True)
+    assert Parameter("fall", "m/s", -0.01, -3.612, -0.0009031).touches(-0.002273) == (False, False)
+    assert Parameter("torque", "N", 0.0, 0.0, 2.0).touches(0.001) == (True, False)
