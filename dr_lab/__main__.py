@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from dr_lab.cli.completion import FLAGS, complete
 from dr_lab.cli.folders import split_config_dir
-from dr_lab.cli.stopping import Terminated, signals_unwind
 from dr_lab.cli.verbs import overview, verbs
 from dr_lab.errors import DrLabError, UnknownNameError
+from dr_lab.stopping import Terminated, signals_unwind
 from dr_lab.version import __version__
 
 FAILED = 2

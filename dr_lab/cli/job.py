@@ -16,11 +16,11 @@ from omegaconf import DictConfig
 from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose_arguments, workflow_of
 from dr_lab.cli.provenance import write_config
 from dr_lab.cli.resuming import require_same_settings
-from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.cli.threads import algebra_on_one_thread
 from dr_lab.errors import ConfigError
 from dr_lab.reports.typed import view_command
 from dr_lab.run_command import CONFIG_FILE
+from dr_lab.stopping import stop_if_asked
 
 
 @dataclass(frozen=True)

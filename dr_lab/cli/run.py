@@ -14,9 +14,9 @@ from dr_lab.cli.flags import require_known_flags, runs_jobs
 from dr_lab.cli.hydra_node import checked_at_composition
 from dr_lab.cli.overrides import composed
 from dr_lab.cli.positional import is_plain, spelt_out
-from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.cli.task import Task
 from dr_lab.cli.verb_help import verb_help
+from dr_lab.stopping import stop_if_asked
 
 TRACEBACK_VARIABLE = "HYDRA_FULL_ERROR"
 

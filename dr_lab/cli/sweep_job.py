@@ -12,10 +12,10 @@ from omegaconf import DictConfig, OmegaConf
 from dr_lab.cli.explain import explain
 from dr_lab.cli.job import Job, can_go_on, run_job
 from dr_lab.cli.pruning import watched
-from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.errors import DrLabError
 from dr_lab.files import remove_leftovers, write_text
 from dr_lab.run_command import CONFIG_FILE
+from dr_lab.stopping import stop_if_asked
 from dr_lab.sweeps.job_folder import ERROR_FILE, FINAL, clear, held, read_status, write_status
 from dr_lab.sweeps.progress import Pruned
 from dr_lab.sweeps.sweep import is_stopped, read_jobs, stop

@@ -10,9 +10,9 @@ from omegaconf import DictConfig, OmegaConf
 from dr_lab.cli.arguments import checked
 from dr_lab.cli.explain import explain
 from dr_lab.cli.job import Job, discard, run_job
-from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.cli.sweep_job import run_in_sweep
 from dr_lab.errors import ConfigError
+from dr_lab.stopping import stop_if_asked
 
 
 class Task:

@@ -36,7 +36,8 @@ def with_named_effects(model: Model, effects: Mapping[str, Effect], names: Itera
             raise UnknownNameError("effect", kind, effects, f"the catalogue (parameter {name!r})")
         placed = place(effects[kind], compiled, site, _UNKNOWN_MACHINE)
         usual = {p.name: p.nominal for p in place(effects[kind], compiled, site, _unit_scales(compiled)).parameters}
-        untold = [p.name for p in placed.parameters if p.nominal != usual[p.name] and p.name not in names]
+        shapes = [p for p in placed.parameters if p.name.removeprefix(f"{label}.") in effects[kind].shapes]
+        untold = [p.name for p in shapes if p.nominal != usual[p.name] and p.name not in names]
         if untold:
             raise ConfigError(
                 f"{name} is given without {', '.join(untold)}, whose usual value only a machine's logs tell. Give "

@@ -22,6 +22,7 @@ from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.train import ChoiceEntry, SnapshotEntry, TrainReport
 from dr_lab.reports.train_page import train_page
 from dr_lab.reports.typed import typed
+from dr_lab.stopping import stop_if_asked
 from dr_lab.sweeps.progress import tell
 from dr_lab.training.beginning import Beginning
 from dr_lab.training.checkpoint import save
@@ -158,6 +159,7 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
         with closing(trainer), progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
+                stop_if_asked()
                 if training.learner.learns:
                     snapshots.take(int(figures["iteration"]), training.learner.compared())
                 if trainer.due or trainer.frames >= plan.frames:

@@ -2,11 +2,11 @@
 
 import getpass
 import socket
-from contextlib import suppress
 from pathlib import Path
 
 from dr_lab.recorders.viewer import find_recording, open_viewer
 from dr_lab.recorders.web_viewer import served
+from dr_lab.stopping import until_ctrl_c
 
 
 def view(run: str, outputs: str, web: bool, page_port: int, data_port: int) -> None:
@@ -26,7 +26,7 @@ def view(run: str, outputs: str, web: bool, page_port: int, data_port: int) -> N
     if not web:
         open_viewer([recording])
         return
-    with suppress(KeyboardInterrupt), served([recording], page_port, data_port) as site:
+    with until_ctrl_c(), served([recording], page_port, data_port) as site:
         print(f"{recording}\n\n  Open        {site.url}")
         print(f"  From afar   ssh {site.tunnel} {getpass.getuser()}@{socket.gethostname()}")
         print("  End         Ctrl-C", flush=True)

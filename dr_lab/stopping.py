@@ -55,3 +55,12 @@ def stop_if_asked() -> None:
     """
     if _arrived:
         raise RAISED[_arrived[0]] from None
+
+
+@contextmanager
+def until_ctrl_c() -> Iterator[None]:
+    """A block that Ctrl-C is meant to end, after which the work goes on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        _arrived.clear()

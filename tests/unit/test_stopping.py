@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from dr_lab.cli.stopping import Terminated, signals_unwind, stop_if_asked
+from dr_lab.stopping import Terminated, signals_unwind, stop_if_asked, until_ctrl_c
 
 PROGRAM = """
 import os, signal, sys, types
@@ -61,3 +61,11 @@ def test_a_dropped_signal_is_raised_where_the_next_part_begins(
         work()
     assert signal.getsignal(sent) is before
     stop_if_asked()  # nothing is left of it for the next run
+
+
+def test_work_goes_on_after_a_block_that_ctrl_c_is_meant_to_end() -> None:
+    with signals_unwind():
+        with until_ctrl_c():
+            os.kill(os.getpid(), signal.SIGINT)
+            pytest.fail("the block went on")
+        stop_if_asked()
