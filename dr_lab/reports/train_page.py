@@ -77,10 +77,11 @@ def _deployed(report: TrainReport) -> str:
         return ""
     kept = len(choice.snapshots)
     best = f", the best of the {kept} that were kept" if kept > 1 else ""
-    played = f"The episodes by which it was chosen, {choice.choice_frames} control steps in all"
+    which = "by which it was chosen" if kept > 1 else "that were played with it"
+    played = f"The episodes {which}, {choice.choice_frames} control steps in all"
     if report.deployed_return is None:
-        which = f"The deployed policy is that of control step {choice.chosen}{best}."
-        return f"{which} {played}, are no part of the training. dr-lab evaluate plays others."
+        told = f"The deployed policy is that of control step {choice.chosen}{best}."
+        return f"{told} {played}, are no part of the training. dr-lab evaluate plays others."
     lucky = f", and make the best of {kept} seem somewhat better than it is" if kept > 1 else ""
     return (
         f"The deployed policy returns {number(report.deployed_return)} on average, without exploration. It is that of "

@@ -21,7 +21,7 @@ def test_short_trainings_are_told_in_tenths_of_seconds(seconds: float, said: str
 def test_the_first_sentence_names_the_policy_even_where_its_return_is_unknown() -> None:
     choice = ChoiceEntry((SnapshotEntry(320, None),), 320, 1600, "policy.pt")
     report = replace(from_plain(TrainReport, train_report(12.0, {})), choice=choice, deployed_return=None)
-    assert train_page(report).lead.startswith("The deployed policy is that of control step 320. The episodes by which")
+    assert train_page(report).lead.startswith("The deployed policy is that of control step 320. The episodes that")
 
 
 def test_the_return_of_the_best_of_several_is_said_to_be_flattered() -> None:
