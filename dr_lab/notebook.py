@@ -13,7 +13,7 @@ from dr_lab.cli.compose import compose_from
 from dr_lab.cli.explain import raised_plainly
 from dr_lab.cli.folders import shipped, split_config_dir
 from dr_lab.cli.groups import defaults_of
-from dr_lab.cli.job import Job, build, claim
+from dr_lab.cli.job import Job, build, claim, numbered
 from dr_lab.cli.provenance import write_config
 from dr_lab.cli.threads import algebra_on_one_thread
 from dr_lab.comparison.comparison import Comparison
@@ -22,7 +22,6 @@ from dr_lab.recorders.look import Look
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.train import TrainReport
-from dr_lab.run_command import CONFIG_FILE
 
 _OWN = ("comparison", "recorder")  # arguments of the verbs that do not come from their configuration
 
@@ -128,11 +127,13 @@ class NotebookComparison(Comparison):
         with raised_plainly(verb, self.config_folders):
             cfg = compose_from(self.config_folders, verb, typed)
             workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
-        folder = claim(_folder(run_dir, cfg, verb, self.model.name))
+        wanted = _folder(run_dir, cfg, verb, self.model.name)
         if all(getattr(self, part) is getattr(self.loaded, part) for part in ("model", "measurements", "settings")):
+            folder = claim(wanted)
             write_config(folder, verb, typed, "run", cfg, self.config_folders[:-1])
         else:
-            (folder / CONFIG_FILE).unlink()
+            folder = next(each for each in numbered(wanted) if not (each.is_dir() and any(each.iterdir())))
+            folder.mkdir(parents=True, exist_ok=True)
         with algebra_on_one_thread():
             return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
 

@@ -6,7 +6,7 @@ import inspect
 import itertools
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -133,8 +133,7 @@ def claim(output_dir: Path) -> Path:
     Raises:
         ConfigError: the folder cannot be written.
     """
-    for number in itertools.count(1):
-        folder = output_dir if number == 1 else output_dir.with_name(f"{output_dir.name}_{number}")
+    for folder in numbered(output_dir):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / CONFIG_FILE).touch(exist_ok=False)
@@ -145,6 +144,17 @@ def claim(output_dir: Path) -> Path:
             raise ConfigError(message) from error
         return folder
     raise AssertionError("counting does not end")
+
+
+def numbered(folder: Path) -> Iterator[Path]:
+    """A folder, then ``<name>_2``, ``<name>_3`` and so on beside it, without end.
+
+    Args:
+        folder: the wanted one.
+    """
+    yield folder
+    for number in itertools.count(2):
+        yield folder.with_name(f"{folder.name}_{number}")
 
 
 def discard(job: Job, cfg: DictConfig) -> None:

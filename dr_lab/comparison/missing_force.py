@@ -22,8 +22,8 @@ def missing_forces(study: Study, models: Sequence[FittedModel]) -> tuple[Missing
     force. ``ceiling`` is the share of its mean square that a regression forest foretells from the measured state where
     it was not fitted, a lower estimate of what a function of that state could explain; ``explained`` the share that the
     effects took away; ``left`` belongs to what the last model misses, its shares to all of that force, noise included,
-    and is None where noise is most of it or windows are few. All are of ``windows``
-    short windows of the logs that score.
+    and is None where noise is most of it or windows are few. All are of ``windows`` short windows of the logs that
+    score.
     """
     first, last = (study.fits.forces(m.model, m.fit.z, study.short, study.few) for m in (models[0], models[-1]))
     replay = Replay(models[-1].model, study.short.pick(study.few), study.bench.threads)

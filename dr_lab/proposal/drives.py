@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.measurements.units import unit as unit_of
 from dr_lab.proposal.by_name import matches
@@ -257,6 +258,11 @@ def _plain(name: str) -> str:
     return "numbers of ctrl" if name == "1" else name
 
 
+def integrates(model: mujoco.MjModel) -> NDArray[np.bool_]:
+    """Which actuators act by the integral of their control, as an ``intvelocity`` does, shape (actuators,)."""
+    return model.actuator_dyntype == int(mujoco.mjtDyn.mjDYN_INTEGRATOR)
+
+
 def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
     """SI unit of an actuator's control, 1 where that may be any, and whether it is a position."""
     slide = _slides(model, dof)
@@ -264,8 +270,7 @@ def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
         return "V", False
     gain, (_, stiffness, damping) = model.actuator_gainprm[k, 0], model.actuator_biasprm[k, :3]
     servo = stiffness < 0 and math.isclose(gain, -stiffness)
-    integrated = int(model.actuator_dyntype[k]) == int(mujoco.mjtDyn.mjDYN_INTEGRATOR)
-    if servo and not integrated:
+    if servo and not integrates(model)[k]:
         return ("m" if slide else "rad"), True
     if servo or (stiffness == 0 and damping < 0 and math.isclose(gain, -damping)):
         return ("m/s" if slide else "rad/s"), False

@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.diagnosis.faults.equation_error import actuation
 from dr_lab.diagnosis.faults.smoothed_motion import Motion
+from dr_lab.proposal.drives import integrates
 from dr_lab.trajectory import Array
 
 _PROBED = 50  # times at which an actuator's force per control is looked at
@@ -38,11 +39,6 @@ def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
         acting = actuation(model, motion, controls)
         found[k], idle = np.median(acting.driven.sum(1)[_PROBED // 2 :], axis=0), acting.idle
     return found, bool(np.abs(idle).max(initial=0.0) > 0)
-
-
-def integrates(model: mujoco.MjModel) -> Array:
-    """Which actuators act by the integral of their control, as an ``intvelocity`` does, shape (actuators,)."""
-    return model.actuator_dyntype == int(mujoco.mjtDyn.mjDYN_INTEGRATOR)
 
 
 def _integrated(model: mujoco.MjModel) -> mujoco.MjModel:

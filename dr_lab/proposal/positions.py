@@ -11,11 +11,11 @@ from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
-from dr_lab.proposal.drives import UNITS, Drive, drives_of
+from dr_lab.proposal.drives import UNITS, Drive, drives_of, integrates
 from dr_lab.proposal.grid import Grid, grid_of, held_of, integral_of, path_of, wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
-from dr_lab.proposal.per_control import integrates, per_control
+from dr_lab.proposal.per_control import per_control
 from dr_lab.proposal.search import Options, search
 from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings

@@ -89,8 +89,11 @@ def test_folders_are_texts_and_effects_a_name_and_no_run_is_written_over(tmp_pat
     loaded = Comparison.load("furuta", "furuta", *SMALL)
     with pytest.raises(ConfigError, match="There is no effect 'nix'"):
         loaded.diagnose("nix")
-    reports = [loaded.compare(run_dir=str(tmp_path / "run")) for _ in range(2)]
-    assert [report.run for report in reports] == [str(tmp_path / "run"), str(tmp_path / "run_2")]
+    changed = replace(loaded, settings=replace(loaded.settings))
+    reports = [each.compare(run_dir=str(tmp_path / "run")) for each in (loaded, changed, changed)]
+    assert [report.run for report in reports] == [str(tmp_path / name) for name in ("run", "run_2", "run_3")]
+    assert (tmp_path / "run" / "config.yaml").is_file()
+    assert not (tmp_path / "run_2" / "config.yaml").exists()  # which would be that of other settings
 
 
 def test_names_are_offered_for_completion() -> None:
