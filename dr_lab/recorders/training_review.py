@@ -196,7 +196,12 @@ def _counting(record: TrainingRecord) -> str | None:
 
 
 def _curves(record: TrainingRecord) -> list[rrb.View]:
-    return [_plot(curve, sheet_rows(len(record.curves))) for curve in record.curves]
+    return [_plot(curve, sheet_rows(len(record.curves)), _where(record, curve)) for curve in record.curves]
+
+
+def _where(record: TrainingRecord, curve: Curve) -> str:
+    """The timeline to be chosen for a curve, where there is another one: on that of episodes its plot is empty."""
+    return f" (timeline {curve.over})" if anything_drawn(record.episodes) else ""
 
 
 def _learned(record: TrainingRecord) -> list[rrb.View]:
@@ -234,11 +239,11 @@ def _matrices(record: TrainingRecord) -> list[rrb.View]:
     return [heat_map.CANVAS.view(["matrix", each.title], each.title) for each in record.matrices]
 
 
-def _plot(curve: Curve, rows: int) -> rrb.TimeSeriesView:
+def _plot(curve: Curve, rows: int, where: str) -> rrb.TimeSeriesView:
     origin = rr.new_entity_path(["curve", curve.name])
     return rrb.TimeSeriesView(
         origin=origin,
-        name=f"{titled(curve.name.replace('_', ' '), curve.unit)}{first_last(curve.value)}",
+        name=f"{titled(curve.name.replace('_', ' '), curve.unit)}{first_last(curve.value)}{where}",
         axis_x=counted_axis(0, int(curve.at[-1])),
         axis_y=numbered_axis([curve.value], rows),
         plot_legend=rrb.PlotLegend(visible=False),

@@ -90,6 +90,12 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
     require_pages(viewer, expected)
 
 
+def test_curves_say_their_timeline_where_episodes_have_another(viewer: ViewerClient, recording: Path) -> None:
+    show(viewer, recording, AT)
+    shown = {view.name for view in viewer.get_state().views if view.name.startswith("return: ")}
+    assert shown == {"return: 0 → 4 (timeline iteration)"}
+
+
 def test_machines_are_there_on_either_timeline(viewer: ViewerClient, recording: Path, look: Look) -> None:
     show(viewer, recording, AT)
     views = next(views for page, views in pages(viewer) if page.startswith("Episodes"))
