@@ -23,11 +23,11 @@ def box_drag(density: float, half: Array, velocity: Array, spin: Array) -> tuple
 
     Args:
         density: ρ in kg/m³.
-        half: r in m, shape (3,).
-        velocity: of the box's centre relative to the medium, m/s, shape (3,).
-        spin: rad/s, shape (3,).
+        half: r in m, shape (…, 3).
+        velocity: of the box's centre relative to the medium, m/s, shape (…, 3).
+        spin: rad/s, shape (…, 3).
     """
-    others = half[[1, 2, 0]], half[[2, 0, 1]]
+    others = half[..., [1, 2, 0]], half[..., [2, 0, 1]]
     force = -2.0 * density * others[0] * others[1] * np.abs(velocity) * velocity
     torque = -0.5 * density * half * (others[0] ** 4 + others[1] ** 4) * np.abs(spin) * spin
     return force, torque

@@ -41,7 +41,7 @@ class PinocchioMachine(MujocoMachine):
         for joint, law in self.gears:
             force[joint] += law(float(drive[joint]), float(outside[joint]), velocity[joint])
         if self.model.opt.density > 0:
-            force = force + self._drag(q, v)
+            force = force + self._drag(q[None], v[None])[0]
         return np.reshape(mass, (len(q), len(q))).tolist(), force.tolist()
 
     def lacking(self, position: Array, velocity: Array, acceleration: Array, command: Array) -> Array:
@@ -49,13 +49,14 @@ class PinocchioMachine(MujocoMachine):
         if self.gears:
             return super().lacking(position, velocity, acceleration, command)
         engine, (model, data) = pinocchio(), self._tree
-        states = zip(position, velocity, acceleration, strict=True)
-        asked = np.stack([engine.rnea(model, data, *state) for state in states])
+        asked = np.empty(np.shape(position))  # filled in place: stacking thousands of rows takes longer than their sums
+        for row, *state in zip(asked, position, velocity, acceleration, strict=True):
+            row[:] = engine.rnea(model, data, *state)
         asked += self.model.dof_damping * velocity - self._drive(position, velocity, command)
         if self.couplings or self.cables:
             asked -= [self._coupled(q.tolist(), [0.0] * len(q)) for q in position]
         if self.model.opt.density > 0:
-            asked -= [self._drag(q, v) for q, v in zip(position, velocity, strict=True)]
+            asked -= self._drag(position, velocity)
         return asked
 
     def _drive(self, q: Array, v: Array, command: Array) -> Array:
@@ -64,23 +65,37 @@ class PinocchioMachine(MujocoMachine):
         pulled = bias[:, 1] * q[..., joint] + bias[:, 2] * v[..., joint]
         return np.asarray((gear * (gain * command + bias[:, 0] + gear * pulled)) @ self._driven, dtype=np.float64)
 
-    def _drag(self, q: Array, v: Array) -> Array:
-        """Generalised force of the medium, shape (n,)."""
+    def _drag(self, position: Array, velocity: Array) -> Array:
+        """Generalised forces of the medium, shape (k, n), as positions and velocities are."""
+        turned, jacobian = self._boxes_moved(position)
+        past = np.einsum("kbpn,kn->kbp", jacobian, velocity)
+        past[..., :3] -= self.model.opt.wind @ turned
+        half = np.stack([box[-1] for box in self._boxes])
+        pushed = np.concatenate(box_drag(self.model.opt.density, half, past[..., :3], past[..., 3:]), axis=-1)
+        return np.einsum("kbpn,kbp->kn", jacobian, pushed)
+
+    def _boxes_moved(self, position: Array) -> tuple[Array, Array]:
+        """Axes of each box in the world, (k, b, 3, 3), and its Jacobian there, of centre and turn, (k, b, 6, n)."""
         engine, (model, data) = pinocchio(), self._tree
-        engine.computeJointJacobians(model, data, q)
-        total, wind = np.zeros(len(q)), self.model.opt.wind
-        for number, centre, axes, half in self._boxes:
-            frame = data.oMi[number]
-            world = engine.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            # One column comes back as a vector.
-            jacobian = np.reshape(engine.getJointJacobian(model, data, number, world), (6, len(q)))
-            turn, reach = frame.rotation @ axes, frame.rotation @ centre
-            spin = jacobian[3:] @ v
-            carried = jacobian[:3] @ v + np.cross(spin, reach)
-            force, torque = box_drag(self.model.opt.density, half, turn.T @ (carried - wind), turn.T @ spin)
-            force, torque = turn @ force, turn @ torque
-            total += jacobian[:3].T @ force + jacobian[3:].T @ (torque + np.cross(reach, force))
-        return total
+        count, joints = np.shape(position)
+        turned, jacobian = np.empty((count, len(self._boxes), 3, 3)), np.empty((count, len(self._boxes), 6, joints))
+        for k, q in enumerate(position):
+            engine.computeJointJacobians(model, data, q)
+            for box, (number, *_) in enumerate(self._boxes):
+                turned[k, box] = data.oMi[number].rotation
+                # One column comes back as a vector.
+                own = engine.getJointJacobian(model, data, number, engine.ReferenceFrame.LOCAL)
+                jacobian[k, box] = np.reshape(own, (6, joints))
+        return turned @ np.stack([axes for _, _, axes, _ in self._boxes]), self._carried @ jacobian
+
+    @cached_property
+    def _carried(self) -> Array:
+        """From a joint's velocity and spin along its axes to those of its box's centre along the box's, (b, 6, 6)."""
+        found = np.zeros((len(self._boxes), 6, 6))
+        for carried, (_, (x, y, z), axes, _) in zip(found, self._boxes, strict=True):
+            carried[:3, :3] = carried[3:, 3:] = axes.T
+            carried[:3, 3:] = axes.T @ [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]  # spin × centre
+        return found
 
     def centre(self, position: Array, body: str) -> tuple[Array, Array]:
         """A body's centre of mass in the world, m, shape (3,), and its Jacobian, shape (3, n)."""

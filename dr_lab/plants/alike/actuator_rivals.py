@@ -1,6 +1,7 @@
 """What effects at actuators could give along a course."""
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -167,13 +168,14 @@ def lagged(mean: Array, step: Array, constant: float) -> Array:
 
 def ramped(mean: Array, step: Array, rate: float) -> Array:
     """Mean over each interval of a command that is followed at a limited rate (units per s), shape (K,)."""
-    now, shown = float(mean[0]), np.zeros(len(mean))
-    for k, (u, h) in enumerate(zip(mean.tolist(), step.tolist(), strict=True)):
+    now, shown = float(mean[0]), []
+    for u, h in zip(mean.tolist(), step.tolist(), strict=True):
         away = u - now
         time = min(abs(away) / rate, h)
-        shown[k] = u - away + np.sign(away) * rate * time * (1 - 0.5 * time / h)
-        now += float(np.sign(away)) * rate * time
-    return shown
+        moved = math.copysign(rate * time, away)
+        shown.append(now + moved * (1 - 0.5 * time / h))
+        now += moved
+    return np.array(shown)
 
 
 def powered(mean: Array, full: float, exponent: float) -> Array:

@@ -123,8 +123,9 @@ def _pulls(course: Course, body: str) -> list[Array]:
 
     k (a − p) through the centre's Jacobian, with a its anchor.
     """
-    found = (course.machine.centre(position, body) for position in course.position)
-    return list(np.stack([np.stack([place @ turning, *-turning]) for place, turning in found], axis=1))
+    found = [course.machine.centre(position, body) for position in course.position]
+    places, turnings = (np.array(each) for each in zip(*found, strict=True))
+    return [np.einsum("kp,kpn->kn", places, turnings), *-turnings.transpose(1, 0, 2)]
 
 
 def _of_world(response: _Response) -> Iterator[Rival]:

@@ -1,6 +1,5 @@
 """What frictions of a joint could give along a course."""
 
-import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -50,8 +49,8 @@ def _creeping(at: AtJoint) -> Iterator[Rival]:
     v, slow = at.v, at.speeds(at.grids.creeps)
 
     def giving(way: float) -> tuple[Choice, ...]:
-        bends = [gripped(v, at.course.step, way, np.tanh(v / creep), creep) for creep in slow]
-        return mixed([at.pushed(-bend) for bend in bends])
+        bends = gripped(v, at.course.step, way, np.tanh(v[:, None] / slow), slow)
+        return mixed([at.pushed(-bend) for bend in bends.T])
 
     yield Rival(f"smooth_friction@{at.name}", 2, giving(0.0))
     ways = at.ways(at.grids.ways)
@@ -67,11 +66,13 @@ def _soft(at: AtJoint) -> Rival:
 
 def _falling(at: AtJoint) -> Rival:
     """Friction that gives way before it slides and falls with the speed; damping of its bristles is left out."""
-    v, choices = at.v, []
-    for way, speed in itertools.product(at.ways(at.grids.ways[1:]), at.speeds(at.grids.stribeck)):
-        fall = 1 - np.exp(-((v / speed) ** 2))
-        steady = [np.sign(v) * (1 - drop * fall) for drop in at.grids.drops]
-        choices += mixed([at.pushed(-gripped(v, at.course.step, float(way), end)) for end in steady])
+    fall = 1 - np.exp(-((at.v[:, None] / at.speeds(at.grids.stribeck)) ** 2))
+    steady = np.sign(at.v)[:, None, None] * (1 - np.asarray(at.grids.drops) * fall[:, :, None])
+    choices: list[Choice] = []
+    for way in at.ways(at.grids.ways[1:]):
+        bends = gripped(at.v, at.course.step, float(way), steady)
+        for falling in bends.transpose(1, 2, 0):
+            choices += mixed([at.pushed(-bend) for bend in falling])
     return Rival(f"lugre_friction@{at.name}", 5, tuple(choices))
 
 
@@ -93,22 +94,23 @@ def bent(velocity: Array, step: Array, most: float) -> Array:
     return shown
 
 
-def gripped(velocity: Array, step: Array, way: float, settled: Array, creep: float = 0.0) -> Array:
-    """Bend of bristles z' = v − |v / g| z / way, in units of the way; means of intervals, shape (K,).
+def gripped(velocity: Array, step: Array, way: float, settled: Array, creep: Array | float = 0.0) -> Array:
+    """Bend of bristles z' = v − |v / g| z / way, in units of the way; means of intervals, of the shape of `settled`.
 
     Args:
         velocity: of the joint, rad/s or m/s, shape (K,).
         step: length of each interval in s, shape (K,).
         way: rad or m.
-        settled: g, to which z settles at each velocity, with its sign, shape (K,).
-        creep: limit of v / g at rest.
+        settled: g, to which z settles at each velocity, with its sign; of many frictions at once, shape (K, …).
+        creep: limit of v / g at rest; of each friction, where it differs.
     """
     if not way:
         return settled
-    turns = np.where(settled == 0.0, creep, velocity / np.where(settled == 0.0, 1.0, settled)) * step / way
-    now, shown, left = 0.0, np.zeros(len(step)), np.exp(-turns)
+    speed, time = (np.expand_dims(each, tuple(range(1, settled.ndim))) for each in (velocity, step))
+    turns = np.where(settled == 0.0, creep, speed / np.where(settled == 0.0, 1.0, settled)) * time / way
     share = np.where(turns > 0.0, -np.expm1(-turns) / np.where(turns > 0.0, turns, 1.0), 1.0)
-    for k, end in enumerate(settled.tolist()):
+    now, shown, left = np.zeros(settled.shape[1:]), np.empty_like(settled), np.exp(-turns)
+    for k, end in enumerate(settled):
         shown[k] = end + (now - end) * share[k]
         now = end + (now - end) * left[k]
     return shown

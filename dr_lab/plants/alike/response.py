@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.plants.alike.course import Course
+from dr_lab.plants.alike.course import Course, rigid
 from dr_lab.plants.alike.inner_products import InnerProducts
-from dr_lab.plants.phases import solve
+from dr_lab.plants.memory import Bristle, SlowCommand
 from dr_lab.trajectory import Array
 
 _TINY = 1e-5  # rad, rad/s: step of the derivatives, whose error is its square
@@ -119,38 +119,49 @@ def response(course: Course, std: Array, rate: float) -> Response:
 
 
 def _slopes(course: Course) -> tuple[Array, Array]:
-    """∂q''/∂(q, q'), shape (K, n, 2n), and ∂q''/∂τ = M⁻¹, shape (K, n, n)."""
-    count, joints = course.position.shape
-    slopes, inverse = np.zeros((count, joints, 2 * joints)), np.zeros((count, joints, joints))
+    """∂q''/∂(q, q'), shape (K, n, 2n), and ∂q''/∂τ = M⁻¹, shape (K, n, n).
+
+    With r = M q'' − f, which is 0 along the motion, ∂q''/∂x = −M⁻¹ ∂r/∂x at the q'' that is there.
+    """
+    command = _acting(course)
+    joints = course.position.shape[1]
+    there, none = np.concatenate([course.position, course.velocity], axis=1), np.zeros_like(course.position)
+    force = -_asked(course, command, there, none)
+    mass = np.stack([_asked(course, command, there, none + unit) + force for unit in np.eye(joints)], axis=2)
+    inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
+    gained = (inverse @ force[:, :, None])[:, :, 0]
+    sides = (
+        [_asked(course, command, there + side * nudge, gained) for side in (1.0, -1.0)]
+        for nudge in _TINY * np.eye(2 * joints)
+    )
+    slopes = np.stack([(ahead - behind) / (2 * _TINY) for ahead, behind in sides], axis=2)
+    return -inverse @ slopes, inverse
+
+
+def _acting(course: Course) -> Array:
+    """Commands that act in the middle of each interval, shape (K, actuators)."""
     command = course.mean_command(course.effect)
-    for k in range(count):
-        x = np.concatenate([course.position[k], course.velocity[k]])
-        for column, nudge in enumerate(_TINY * np.eye(2 * joints)):
-            ahead, behind = (_gained(course, k, x + side * nudge, command[k])[0] for side in (1.0, -1.0))
-            slopes[k, :, column] = (ahead - behind) / (2 * _TINY)
-        inverse[k] = np.linalg.inv(_gained(course, k, x, command[k])[1])
-    return slopes, inverse
+    for column, (actuator, memory) in enumerate(course.true_body.memories):
+        if isinstance(memory, SlowCommand):
+            command[:, actuator] = course.kept[:, column]
+    return command
 
 
-def _gained(course: Course, k: int, x: Array, command: Array) -> tuple[Array, Array]:
-    """Accelerations and mass matrix of the joints in a state near the course.
+def _asked(course: Course, command: Array, states: Array, acceleration: Array) -> Array:
+    """M q'' − f of the machine with what is hidden in it, in states near the course, shape (K, n).
 
     A motor or rotor inside counts as fixed to its joint: how it swings is left out of the linearised motion.
     """
-    body, joints = course.true_body, len(x) // 2
-    q, v = x[:joints].tolist(), x[joints:].tolist()
-    none, kept = [0.0] * joints, course.kept[k].tolist()
-    if body.inside:
-        q, v = ([*values, *(values[j] for j, _ in body.inside)] for values in (q, v))
-        none = [0.0] * body.degrees
-    mass, force = body.terms(float(course.middle[k]), q, v, command.tolist(), none, kept)
-    matrix, push = _joined(body.inside, np.asarray(mass), np.asarray(force), joints)
-    return np.asarray(solve(matrix.tolist(), push.tolist())), matrix
-
-
-def _joined(inside: Sequence[tuple[int, object]], mass: Array, force: Array, joints: int) -> tuple[Array, Array]:
-    """Mass matrix and force where everything inside turns with its joint."""
-    along = np.eye(len(force), joints)
-    for row, (joint, _) in enumerate(inside, start=joints):
-        along[row, joint] = 1.0
-    return along.T @ mass @ along, along.T @ force
+    body, joints = course.true_body, acceleration.shape[1]
+    position, velocity = states[:, :joints], states[:, joints:]
+    rows = rigid(body.machine).lacking(position, velocity, acceleration, command)
+    for joint, rotor in body.inside:
+        rows[:, joint] += rotor.inertia * acceleration[:, joint]
+    for joint, law in body.laws:
+        each = zip(course.middle.tolist(), position[:, joint].tolist(), velocity[:, joint].tolist(), strict=True)
+        rows[:, joint] -= [law(*x) for x in each]
+    for column, (joint, memory) in enumerate(body.memories):
+        if isinstance(memory, Bristle):
+            each = zip(course.kept[:, column].tolist(), velocity[:, joint].tolist(), strict=True)
+            rows[:, joint] -= [memory.force(z, memory.rate(z, v), v) for z, v in each]
+    return rows
