@@ -9,7 +9,7 @@ from typing import Any
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.arguments import arguments_of
-from dr_lab.cli.compose import compose_from
+from dr_lab.cli.compose import compose_from, require_one_run
 from dr_lab.cli.explain import raised_plainly
 from dr_lab.cli.folders import shipped, split_config_dir
 from dr_lab.cli.groups import defaults_of
@@ -206,6 +206,7 @@ def _job(
     entries = defaults_of(shipped() / f"{verb}.yaml")
     (base,) = (str(entry["base"]) for entry in entries if isinstance(entry, dict) and "base" in entry)
     with raised_plainly(verb, folders):
+        require_one_run(folders, verb, typed)
         cfg = compose_from(folders, verb, typed)
         folder = _folder(run_dir, cfg, verb, str(OmegaConf.select(cfg, place) or ""))
         workflow, arguments = build(Job(verb, typed, base, folder, folders), cfg)

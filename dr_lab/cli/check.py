@@ -131,8 +131,12 @@ def _in_call(
     lacking = [k for k in keys if k not in arguments and named[k].default is inspect.Parameter.empty]
     if lacking:
         listed = ", ".join(str(place.below(key)) for key in lacking)
-        group = f" Keys of one that is complete: --cfg job -p {place.key.partition('.')[0]}." if place.key else ""
-        yield place, ConfigError(f"{name} needs {listed}; the configuration has no such key.{group}")
+        more = (
+            f"Keys of one that is complete: --cfg job -p {place.key.partition('.')[0]}."
+            if place.key
+            else f"Options of a group bring it, of which none is chosen; {name} --help lists them."
+        )
+        yield place, ConfigError(f"{name} needs {listed}; the configuration has no such key. {more}")
 
 
 def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:

@@ -1,7 +1,7 @@
 """Composing a verb's configuration: the search path, the resolvers and the chosen options."""
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar
@@ -19,6 +19,7 @@ from dr_lab.cli.found_formula import found_formula
 from dr_lab.cli.groups import every
 from dr_lab.cli.overrides import composed
 from dr_lab.cli.recorded import recorded
+from dr_lab.errors import ConfigError
 from dr_lab.sweeps.sweep import sweep_name
 
 HYDRA_VERSION = "1.3"
@@ -91,9 +92,50 @@ def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -
     Raises:
         hydra.errors.ConfigCompositionException: an override names nothing.
     """
+    return _composed(folders, verb, overrides, hydra.compose)
+
+
+def require_one_run(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -> None:
+    """Refuse a configuration that asks for many runs where one is to be made.
+
+    Args:
+        folders: configuration folders, first searched first; the last one ships with dr_lab.
+        verb: root configuration.
+        overrides: as on the command line.
+
+    Raises:
+        ConfigError: it tries several values; the message has the command that does.
+        hydra.errors.ConfigCompositionException: an override names nothing.
+    """
+    cfg = _composed(folders, verb, overrides, functools.partial(hydra.compose, return_hydra_config=True))
+    require_no_search(cfg.hydra.sweeper, verb, overrides)
+
+
+def require_no_search(sweeper: DictConfig, verb: str, overrides: Sequence[str]) -> None:
+    """Refuse a sweeper that tries several values where one run is to be made.
+
+    Args:
+        sweeper: of Hydra's node.
+        verb: that is to run.
+        overrides: as on the command line.
+
+    Raises:
+        ConfigError: it does; the message has the command for it.
+    """
+    params = OmegaConf.select(sweeper, "params")
+    if params:
+        raise ConfigError(
+            f"This configuration tries several values of {', '.join(map(str, params))}, which is a sweep and takes -m: "
+            f"dr-lab {verb} -m {' '.join(overrides)}"
+        )
+
+
+def _composed(
+    folders: Sequence[Path], verb: str, overrides: Sequence[str], make: Callable[..., DictConfig]
+) -> DictConfig:
     prepare(folders)
     with _beside_a_job(), hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folders[-1])):
-        return composed(overrides, lambda spelt: hydra.compose(config_name=verb, overrides=spelt))[1]
+        return composed(overrides, lambda spelt: make(config_name=verb, overrides=spelt))[1]
 
 
 @contextmanager

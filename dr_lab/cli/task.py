@@ -8,6 +8,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.arguments import checked
+from dr_lab.cli.compose import require_no_search
 from dr_lab.cli.explain import explain
 from dr_lab.cli.job import Job, discard, run_job
 from dr_lab.cli.sweep_job import run_in_sweep
@@ -73,10 +74,8 @@ class Task:
 
 def _require_no_search(job: Job, cfg: DictConfig, hydra: HydraConf) -> None:
     """Refuse to run one job of a configuration that asks for many; its folder goes."""
-    params = OmegaConf.select(hydra.sweeper, "params")
-    if params:
+    try:
+        require_no_search(hydra.sweeper, job.verb, job.overrides)
+    except ConfigError:
         discard(job, cfg)
-        raise ConfigError(
-            f"This configuration tries several values of {', '.join(map(str, params))}, which is a sweep and takes -m: "
-            f"dr-lab {job.verb} -m {' '.join(job.overrides)}"
-        )
+        raise

@@ -80,6 +80,9 @@ def test_what_trains_and_records_says_so_as_well(tmp_path: Path) -> None:
         train("env=furuta_balanc")
     with pytest.raises(ConfigError, match="needs an existing folder"):
         record("seed=1", config_dir=f"{tmp_path}/mine")
+    with pytest.raises(ConfigError, match="is a sweep and takes -m: dr-lab train -m hparams_search=ppo"):
+        train("hparams_search=ppo", "env=furuta_balance", run_dir=tmp_path / "one")
+    assert not (tmp_path / "one").exists()
 
 
 def test_folders_are_texts_and_effects_a_name_and_no_run_is_written_over(tmp_path: Path) -> None:
@@ -89,6 +92,8 @@ def test_folders_are_texts_and_effects_a_name_and_no_run_is_written_over(tmp_pat
     loaded = Comparison.load("furuta", "furuta", *SMALL)
     with pytest.raises(ConfigError, match="There is no effect 'nix'"):
         loaded.diagnose("nix")
+    with pytest.raises(ConfigError, match=r"needs effects.* Options of a group bring it, of which none is chosen"):
+        loaded.diagnose([])
     changed = replace(loaded, settings=replace(loaded.settings))
     reports = [each.compare(run_dir=str(tmp_path / "run")) for each in (loaded, changed, changed)]
     assert [report.run for report in reports] == [str(tmp_path / name) for name in ("run", "run_2", "run_3")]
