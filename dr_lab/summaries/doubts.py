@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 
 from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.reports.places import beside
 from dr_lab.summaries.configuration import experiment, flat, holds
 from dr_lab.summaries.evaluated import TRAINED
 from dr_lab.summaries.groups import ABSENT, CONFIGURATION, Group, figures_of
-from dr_lab.summaries.runs import Run, beside, picked
+from dr_lab.summaries.runs import Run, picked
 from dr_lab.sweeps.overrides import differing
 from dr_lab.sweeps.sweep import identity_of
 

@@ -15,6 +15,7 @@ from dr_lab.errors import DataError
 from dr_lab.reports import evaluate, summarize, train
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.json_file import typed
+from dr_lab.reports.places import places
 from dr_lab.reports.train import TrainReport
 from dr_lab.summaries.evaluated import of_training
 from dr_lab.sweeps.overrides import by_key
@@ -22,7 +23,7 @@ from dr_lab.trajectory import Array
 
 _TYPES = {train.SCHEMA: TrainReport, evaluate.SCHEMA: EvaluateReport}
 _REPORT, _CONFIG, _METRICS, _CONTEXTS = "report.json", "config.yaml", "metrics.csv", "contexts.csv"
-_ANY, _UNIT = "*", "unit"
+_UNIT = "unit"
 _RESUMED = "resume"  # override that says where a run was gone on with, which makes no other run of it
 _UNREADABLE = "{} cannot be read as a run: {}. Take it out of {}."
 
@@ -81,12 +82,12 @@ def picked(report: Mapping[str, object], paths: Sequence[str]) -> dict[str, Figu
 
     Args:
         report: what to pick from.
-        paths: keys joined by dots, numbers for places in lists, ``*`` for every key.
+        paths: as `places` takes them.
 
     Returns:
         By their full path; a null is NaN, what is not there is left out.
     """
-    found = {name: value for path in paths for name, value in _places(report, path.split(".")).items()}
+    found = {name: value for path in paths for name, value in places(report, path).items()}
     return {name: figure for name, value in found.items() for figure in _figures(value)}
 
 
@@ -96,20 +97,8 @@ def units(report: Mapping[str, object], paths: Sequence[str]) -> dict[str, str]:
     Args: as `picked`.
     """
     ends = [path.rpartition(".") for path in paths]
-    found = [(last, _places(report, [*above.split("."), _UNIT])) for above, _, last in ends]
-    return {name.removesuffix(_UNIT) + last: str(unit) for last, places in found for name, unit in places.items()}
-
-
-def beside(report: Mapping[str, object], path: str) -> list[str]:
-    """The paths that go on where one ends that leads to no figure; none where nothing goes on.
-
-    Args:
-        report: in which the path leads nowhere.
-        path: as for `picked`.
-    """
-    parts = path.split(".")
-    known = max(depth for depth in range(len(parts) + 1) if _places(report, parts[:depth]))
-    return list(_places(report, [*parts[:known], _ANY]))
+    found = [(last, places(report, f"{above}.{_UNIT}")) for above, _, last in ends]
+    return {name.removesuffix(_UNIT) + last: str(unit) for last, told in found for name, unit in told.items()}
 
 
 def history(run: Run) -> dict[str, Array]:
@@ -140,25 +129,6 @@ def _columns(run: Run, name: str) -> dict[str, Array]:
         return {name: np.array([float(row[name] or "nan") for row in rows]) for name in (rows[0] if rows else ())}
     except (ValueError, TypeError, csv.Error) as error:  # TypeError: a row has more values than there are columns
         raise DataError(f"{path}: {error}. Expected the {name} of a training run.") from None
-
-
-def _places(report: Mapping[str, object], parts: Sequence[str]) -> dict[str, object]:
-    """What lies at a path, by its keys; ``*`` leads to several places."""
-    places: dict[str, object] = {"": report}
-    for part in parts:
-        places = {
-            f"{place}.{key}".removeprefix("."): child
-            for place, value in places.items()
-            for key, child in _children(value, part).items()
-        }
-    return places
-
-
-def _children(value: object, part: str) -> Mapping[str, object]:
-    below = {str(at): child for at, child in enumerate(value)} if isinstance(value, list) else value
-    if not isinstance(below, Mapping):
-        return {}
-    return below if part == _ANY else {key: below[key] for key in [part] if key in below}
 
 
 def _figures(value: object) -> list[Figure]:

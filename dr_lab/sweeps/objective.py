@@ -2,10 +2,11 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from dr_lab.errors import DataError, UnknownNameError
+from dr_lab.reports.places import beside, places
 
 REPORT_FILE = "report.json"
 
@@ -15,8 +16,8 @@ def objectives(folder: Path, keys: Sequence[str]) -> tuple[float, ...]:
 
     Args:
         folder: of the run.
-        keys: where they stand in ``report.json``, e.g. ``final_return`` or ``ladder.-1.held_out.chi2``; the entries of
-            a list have numbers, from the end negative ones.
+        keys: where they stand in ``report.json``, e.g. ``final_return`` or ``ladder.-1.held_out.chi2``, as `places`
+            takes them.
 
     Returns:
         Each figure; NaN where the report has ``null``, e.g. because no episode ended.
@@ -33,22 +34,12 @@ def objectives(folder: Path, keys: Sequence[str]) -> tuple[float, ...]:
 
 
 def _figure(report: object, key: str, path: Path) -> float:
-    value = report
-    for part in key.split("."):
-        children = _children(value)
-        if part not in children:
-            raise UnknownNameError("figure", key, children, str(path))
-        value = children[part]
+    found = places(report, key)
+    if key not in found:
+        raise UnknownNameError("figure", key, beside(report, key), str(path))
+    value = found[key]
     if value is None:
         return math.nan
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise DataError(f"{key} in {path} is {value!r}; an objective must be a number.")
     return float(value)
-
-
-def _children(value: object) -> Mapping[str, object]:
-    if isinstance(value, Mapping):
-        return {str(key): child for key, child in value.items()}
-    if isinstance(value, list):
-        return {str(at): value[at] for at in range(-len(value), len(value))}
-    return {}

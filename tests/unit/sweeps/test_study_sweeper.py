@@ -216,9 +216,9 @@ def test_spaces_that_cannot_be_drawn_from_are_named(typed: str) -> None:
 
 
 def test_figures_of_a_report(tmp_path: Path) -> None:
-    report = {"ladder": [{"chi2": 9.0}, {"chi2": 1.5}], "none": None, "word": "x"}
+    report = {"ladder": [{"chi2": 9.0}, {"chi2": 1.5}], "none": None, "word": "x", "figures": {"uniform.iqm": 3.0}}
     (tmp_path / "report.json").write_text(json.dumps(report), encoding="utf-8")
-    assert objectives(tmp_path, ["ladder.-1.chi2", "ladder.0.chi2"]) == (1.5, 9.0)
+    assert objectives(tmp_path, ["ladder.-1.chi2", "ladder.0.chi2", "figures.uniform.iqm"]) == (1.5, 9.0, 3.0)
     assert objectives(tmp_path, ["none"])[0] != objectives(tmp_path, ["none"])[0]
     with pytest.raises(UnknownNameError, match="chi2"):
         objectives(tmp_path, ["ladder.0.chi"])

@@ -10,9 +10,10 @@ from written_runs import STATISTICS, train_report, trained, two_kinds, write_con
 
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
+from dr_lab.reports.places import beside
 from dr_lab.summaries.groups import figures_of, grouped, summed_up
 from dr_lab.summaries.overlays import bands
-from dr_lab.summaries.runs import beside, find_runs, picked, units
+from dr_lab.summaries.runs import find_runs, picked, units
 from dr_lab.sweeps.overrides import differing
 
 FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
@@ -127,6 +128,14 @@ def test_paths_pick_from_a_report() -> None:
     found = picked(report, ["a.*", "ladder.0.chi2", "ladder.1.chi2", "word", "missing"])
     assert np.isnan(float(found.pop("a.c")))
     assert found == {"a.b": 1.0, "ladder.0.chi2": 2.5, "word": "yes"}
+
+
+def test_a_key_that_holds_dots_is_found_by_its_full_path() -> None:
+    report = {"figures": {"uniform.iqm": 3.0}, "context": {"arm.mass": {"unit": "kg", "mean": 2.0}}}
+    paths = ["figures.uniform.iqm", "context.arm.mass.mean"]
+    assert picked(report, paths) == {"figures.uniform.iqm": 3.0, "context.arm.mass.mean": 2.0}
+    assert units(report, paths) == {"context.arm.mass.mean": "kg"}
+    assert beside(report, "context.arm.mass.men") == ["context.arm.mass.unit", "context.arm.mass.mean"]
 
 
 def test_figures_have_the_units_beside_them() -> None:
