@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import yaml
 
 from dr_lab.bounds import Confidence, Count, Natural, require_bounds
 from dr_lab.errors import UnknownNameError
@@ -204,8 +205,9 @@ def _labels(settings: Sequence[Mapping[str, str]]) -> list[str]:
     names = {key: _last(key) if times[_last(key)] == 1 else key for key in settings[0]}
 
     def told(key: str, value: str) -> str:
-        # The option of a group says enough by itself.
-        return value if value.isidentifier() and "." not in key else f"{names[key]}={value}"
+        # The option of a group says enough by itself; true, false and null say nothing.
+        word = value.isidentifier() and isinstance(yaml.safe_load(value), str)
+        return value if word and "." not in key else f"{names[key]}={value}"
 
     short = [_label(each, told) for each in settings]
     whole = [_label(each, "{}={}".format) for each in settings]

@@ -55,9 +55,11 @@ def test_runs_that_differ_in_nothing_are_one_group(tmp_path: Path) -> None:
     [
         ["env.context.mass.low=0.1", "env.context.length.low=0.1", "env.context.length.low=0.2"],
         ["randomizer=none", "learner=none"],
+        ["init_distribution=true", "init_distribution=false"],
+        ["init=null", "init=outputs/train/hopper"],
     ],
 )
-def test_groups_that_would_share_a_label_have_whole_keys(typed: list[str], tmp_path: Path) -> None:
+def test_groups_have_keys_where_values_say_too_little(typed: list[str], tmp_path: Path) -> None:
     for number, override in enumerate(typed):
         trained(tmp_path / str(number), 1.0, [1.0, 0.0], override)
     groups = grouped(find_runs(tmp_path)[0], ["seed"])
