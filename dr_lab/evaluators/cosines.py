@@ -38,9 +38,10 @@ def cosines(gradients: Sequence[Array], confidence: float, resamples: int, seed:
     """Compare contexts by the gradients of their episodes.
 
     The diagonal of `raw` is 2r/(1 + r), r being the mean cosine between random halves of the episodes (Spearman 1910,
-    Brown 1910). For `corrected`, ⟨∇J_a, ∇J_b⟩ is ⟨ḡ_a, ḡ_b⟩ for a ≠ b, and ‖∇J_a‖² the mean of ⟨g_i, g_j⟩ over all
-    pairs of different episodes, both without bias. Intervals are percentiles of a bootstrap over the episodes of every
-    context, in which an episode that was drawn twice is no pair with itself.
+    Brown 1910). Of noise alone r may lie below −1/3, where that is no cosine any more and −1 stands. For `corrected`,
+    ⟨∇J_a, ∇J_b⟩ is ⟨ḡ_a, ḡ_b⟩ for a ≠ b, and ‖∇J_a‖² the mean of ⟨g_i, g_j⟩ over all pairs of different episodes, both
+    without bias. Intervals are percentiles of a bootstrap over the episodes of every context, in which an episode that
+    was drawn twice is no pair with itself.
 
     Args:
         gradients: of the episodes of each context, independent of one another, shape (k, p) each.
@@ -80,7 +81,7 @@ def _raw(products: Array, sizes: NDArray[np.intp], rng: np.random.Generator) -> 
         halves = [np.eye(size)[order[:, part : 2 * (size // 2) : 2]].sum(1) for part in (0, 1)]
         one, other, both = (((halves[i] @ own) * halves[j]).sum(1) for i, j in ((0, 0), (1, 1), (0, 1)))
         r = np.mean(_cosine(both, one, other))
-        result[a, a] = 2.0 * r / (1.0 + r) if r > -1.0 else np.nan
+        result[a, a] = max(2.0 * r / (1.0 + r), -1.0) if r > -1.0 else np.nan
     return result
 
 

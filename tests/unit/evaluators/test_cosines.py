@@ -31,6 +31,12 @@ def test_gradients_without_noise_have_the_cosine_of_their_angle() -> None:
     assert found.sign.tolist() == [[1, -1, -1], [-1, 1, 1], [-1, 1, 1]]
 
 
+def test_the_diagonal_is_a_cosine_also_where_there_is_noise_alone() -> None:
+    own = [compared(np.random.default_rng(seed).normal(size=(4, 3)), resamples=1).raw[0, 0] for seed in range(50)]
+    assert min(own) == -1.0  # halves of a few episodes that sum to almost nothing point away from one another
+    assert max(own) <= 1.0
+
+
 @pytest.mark.slow
 def test_noise_shrinks_cosines_and_the_correction_undoes_it() -> None:
     # ‖ḡ‖² = 1 + 20·6.25/100 = 2.25, so that a cosine of 1 is seen as 1/2.25 on average.
