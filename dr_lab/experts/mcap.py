@@ -1,5 +1,6 @@
 """Trajectories from an MCAP file of episodes, as `train` and `evaluate` write them."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -49,7 +50,9 @@ class McapExpert(Expert):
             )
         require_enough(len(names), self.episodes, str(path))
         chosen = sorted(names, key=_natural)[: self.episodes]
-        return Demonstrations.of([_course(source, name, path) for name in chosen])
+        courses = {name: _course(source, name, path) for name in chosen}
+        _require_alike(courses, path)
+        return Demonstrations.of(list(courses.values()))
 
 
 def _course(source: McapSource, name: str, path: Path) -> tuple[Tensor, Tensor]:
@@ -59,7 +62,19 @@ def _course(source: McapSource, name: str, path: Path) -> tuple[Tensor, Tensor]:
             f"{name} of {path} has {len(seen)} observations and {len(done)} actions; expected one observation more, "
             "that after the last action."
         )
+    if not (seen.isfinite().all() and done.isfinite().all()):
+        raise DataError(f"{name} of {path} holds NaN or infinite numbers. Leave it out, or play the expert again.")
     return seen, done
+
+
+def _require_alike(courses: Mapping[str, tuple[Tensor, Tensor]], path: Path) -> None:
+    """Check that all episodes are of one task: as many numbers seen and done in each."""
+    by_widths: dict[tuple[int, int], str] = {}
+    for name, (seen, done) in courses.items():
+        by_widths.setdefault((seen.shape[1], done.shape[1]), name)
+    if len(by_widths) > 1:
+        found = "; ".join(f"{name} sees {seen} numbers and does {done}" for (seen, done), name in by_widths.items())
+        raise DataError(f"The episodes of {path} are of several tasks: {found}. Give a file of one env alone.")
 
 
 def _natural(name: str) -> tuple[str, int]:

@@ -121,7 +121,8 @@ class McapSource:
         """
         found = self._topic(topic)
         where = f"Topic {topic!r} ({found.kind}) of {self.name}"
-        if "data" not in found.messages.type.names:
+        kind = found.messages.type
+        if "data" not in kind.names or not pa.types.is_list(kind.field("data").type):
             raise DataError(f"{where} holds no arrays; expected std_msgs/msg/Float64MultiArray.")
         data = found.messages.field("data")
         lengths = set(data.value_lengths().to_pylist())

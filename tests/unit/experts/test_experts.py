@@ -12,6 +12,7 @@ from dr_lab.experts import target as module
 from dr_lab.experts.expert import Demonstrations
 from dr_lab.experts.mcap import McapExpert
 from dr_lab.recorders.mcap import FloatArrays, write_mcap
+from dr_lab.trajectory import Array
 
 LENGTHS = [3, 5, 2] + [4] * 8  # eleven episodes, so that episode_10 is to come after episode_9
 
@@ -57,6 +58,22 @@ def test_what_is_no_file_of_episodes_is_told(tmp_path: Path) -> None:
     write_mcap(tmp_path / "log.mcap", [FloatArrays("/u", ("u",), np.zeros(1), np.zeros((1, 1)))], {}, {})
     with pytest.raises(DataError, match=r"none of its topics ends in /observation \(/u\)"):
         McapExpert(str(tmp_path / "log.mcap"), None).demonstrations()
+
+
+def test_episodes_that_cannot_be_learnt_from_are_told(tmp_path: Path) -> None:
+    def episode(number: int, seen: Array) -> list[FloatArrays]:
+        done = FloatArrays(f"/episode_{number}/action", ("u",), np.arange(2.0), np.ones((2, 1)))
+        labels = tuple("abc"[: seen.shape[1]])
+        return [FloatArrays(f"/episode_{number}/observation", labels, np.arange(3.0), seen), done]
+
+    path = tmp_path / "episodes.mcap"
+    write_mcap(path, [*episode(1, np.ones((3, 2))), *episode(2, np.ones((3, 3)))], {}, {})
+    with pytest.raises(DataError, match=r"/episode_1 sees 2 numbers and does 1; /episode_2 sees 3 numbers and does 1"):
+        McapExpert(str(path), None).demonstrations()
+    assert McapExpert(str(path), 1).demonstrations().lengths == (2,)
+    write_mcap(path, episode(1, np.array([[1.0], [np.nan], [2.0]])), {}, {})
+    with pytest.raises(DataError, match=r"/episode_1 of .* holds NaN"):
+        McapExpert(str(path), None).demonstrations()
 
 
 def test_other_widths_are_told() -> None:

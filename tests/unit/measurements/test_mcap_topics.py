@@ -43,6 +43,11 @@ def test_publishers_of_one_topic_are_read_together(tmp_path: Path) -> None:
     assert source.notes == ()
 
 
+def test_a_topic_of_single_numbers_holds_no_rows(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"Float64\) of a\.mcap holds no arrays; expected std_msgs/msg/Float64Multi"):
+        publishers(tmp_path / "a.mcap", FLOAT64).rows("/u")
+
+
 def test_publishers_of_different_types_are_refused(tmp_path: Path) -> None:
     source = publishers(tmp_path / "a.mcap", FLOAT64_MULTI_ARRAY)
     with pytest.raises(DataError, match=r"'/u' of a\.mcap holds messages of several types \(.*Float64, .*Float64Multi"):
