@@ -122,11 +122,16 @@ def _range(entry: ContextEntry, drawn: Array) -> tuple[float, float]:
     if known is None:
         return float(drawn.min()), float(drawn.max())
     likely = np.flatnonzero(np.array(known.initial) > _REACHED)
-    low, high = known.edges[likely[0]], known.edges[likely[-1] + 1]
+    low, high = _noted(known.edges[likely[0]]), _noted(known.edges[likely[-1] + 1])
     inside = drawn[(drawn >= low) & (drawn <= high)]
     if not len(inside):
         return low, high
     return low if _at(low, entry.low) else float(inside.min()), high if _at(high, entry.high) else float(inside.max())
+
+
+def _noted(end: float) -> float:
+    """An end as a context there is noted, in single precision, which may lie beyond the end itself."""
+    return float(np.float32(end))
 
 
 def _at(value: float, bound: Number) -> bool:

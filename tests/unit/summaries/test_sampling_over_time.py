@@ -76,6 +76,17 @@ def test_each_group_is_judged_in_the_range_that_it_began_with(tmp_path: Path) ->
     assert oracle.sampled.count.tolist() == [[80, 0]]
 
 
+@pytest.mark.parametrize("high", [0.3, 0.7])  # in single precision the one is larger, the other smaller
+def test_draws_at_the_ends_of_the_range_are_in_it(tmp_path: Path, high: float) -> None:
+    """Batches hold contexts in single precision; walks that are cut off at the bounds are often just there."""
+    z = [float(np.float32(value)) for value in [0.1] * 10 + [0.15] * 10 + [high] * 20]
+    drew(tmp_path / "0", [*enumerate(z)], "learner=adr", span=(0.1, high))
+    (found,) = found_in(tmp_path, block=1000)
+    assert found.inside == 40
+    assert found.uniformity is not None
+    assert found.uniformity.chi2 == 0.0
+
+
 def test_what_is_not_varied_or_noted_is_not_drawn(tmp_path: Path) -> None:
     drew(tmp_path / "0", [(0, 0.5)], "randomizer=fixed")
     drew(tmp_path / "1", [], "randomizer=none")
