@@ -13,7 +13,7 @@ from dr_lab.bounds import Confidence, Count, Natural, at_least, require_bounds
 from dr_lab.collectors.play import outcomes, play
 from dr_lab.envs.environment import Environment
 from dr_lab.evaluators.adapted_returns import AdaptedReturns
-from dr_lab.evaluators.context_axes import cells, context_axes, in_groups
+from dr_lab.evaluators.context_axes import cells, context_axes, in_groups, within
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import means_of_contexts
 from dr_lab.recorders.episode import Episode
@@ -90,9 +90,8 @@ class AdaptationEvaluator(Evaluator):
             returns.append(returned[:count])
             courses += seen
             progress((place + count) / len(tasks))
-        inside = (np.clip(z, space.low, space.high) == z).all(axis=1)
         of_cells = np.concatenate(returns).reshape(len(z), self.repeats, self.updates + 1)
-        found = AdaptedReturns(axes, of_cells, np.asarray(inside), self.confidence).summed_up()
+        found = AdaptedReturns(axes, of_cells, within(space, z), self.confidence).summed_up()
         in_3d = [course[end] for course in courses[:_IN_3D] for end in (0, -1)]
         return replace(found, ways=self._ways(subject.setting, courses), episodes=in_3d, told=self._told(len(z)))
 

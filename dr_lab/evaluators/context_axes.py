@@ -5,13 +5,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.recorders.training import ContextAxis
 from dr_lab.trajectory import Array
 
-_ROUNDING = 1e-12  # share of an axis below which a value is 0 but for rounding
+_ROUNDING = 1e-12  # share of a range that is nothing but rounding
 
 
 def context_axes(
@@ -67,6 +68,12 @@ def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:
             row[space.index(axis.name)] = value
         z.append(row)
     return np.array(z)
+
+
+def within(space: ContextSpace, z: Array) -> NDArray[np.bool_]:
+    """Whether contexts (k, n) lie within the bounds, but for rounding, shape (k,)."""
+    slack = _ROUNDING * space.span
+    return np.all((z >= space.low - slack) & (z <= space.high + slack), axis=1)
 
 
 def in_groups(z: Array, size: int) -> Iterator[tuple[Array, int]]:

@@ -17,10 +17,12 @@ from dr_lab.collectors.collector import Policy
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.adaptation import AdaptationEvaluator
 from dr_lab.evaluators.adapted_returns import AdaptedReturns
-from dr_lab.evaluators.context_axes import in_groups
+from dr_lab.evaluators.context_axes import cells, context_axes, in_groups, within
 from dr_lab.evaluators.evaluator import MetaLearner, Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
 from dr_lab.evaluators.statistics import t_intervals
+from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.context_source import ContextSource, Proposals
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.recorders.training import ContextAxis
@@ -168,6 +170,13 @@ def test_groups_are_of_one_size_and_repeat_the_last() -> None:
     groups = list(in_groups(z, 3))
     assert [count for _, count in groups] == [3, 2]
     np.testing.assert_array_equal(groups[1][0][:, 0], [3.0, 4.0, 4.0])
+
+
+def test_cells_at_the_bounds_are_inside_however_they_are_rounded() -> None:
+    space = ContextSpace((Parameter("goal", "m", 0.0, -0.3, 0.3),))
+    z = cells(space, context_axes(space, {"goal": [-2.0, 2.0, 41]}, 2, 1))
+    assert z.max(where=z < 0.35, initial=0.0) > 0.3  # by 3e-16
+    assert z[within(space, z), 0].round(9).tolist() == [-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3]
 
 
 def test_intervals_are_those_of_students_t() -> None:
