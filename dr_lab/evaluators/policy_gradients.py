@@ -43,7 +43,15 @@ def played(slots: EpisodeSlots, actor: GaussianActor, z: Array, baseline: Baseli
         z: contexts, shape (k, n); episodes in all of them share one baseline.
         baseline: what is taken off the returns-to-go.
         gamma: discount per control step.
+
+    Raises:
+        ConfigError: the baseline has to learn first.
     """
+    if baseline.learns:
+        raise ConfigError(
+            f"evaluator.baseline is {type(baseline).__name__}, which is 0 until it has learnt from earlier batches, "
+            "of which an evaluator has none. Give baseline@evaluator.baseline=mean or =linear."
+        )
     course = play(slots, actor, z)
     mask = course["mask"]
     assert isinstance(mask, torch.Tensor)

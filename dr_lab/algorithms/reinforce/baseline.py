@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import torch
 from torch import Tensor
@@ -16,7 +16,12 @@ class Baseline(ABC):
     That of an episode comes from other episodes alone, so that it depends on none of the episode's actions and leaves
     the gradient's expectation as it is. Most come from the same batch and keep nothing; one that learns from batch to
     batch has learnt from earlier ones.
+
+    Attributes:
+        learns: whether it is nothing until it has learnt from a batch.
     """
+
+    learns: ClassVar[bool] = False
 
     @abstractmethod
     def __call__(self, episodes: WholeEpisodes, to_go: Tensor) -> Tensor:

@@ -33,6 +33,8 @@ class CriticBaseline(Baseline):
         ConfigError: a number is out of its range.
     """
 
+    learns = True
+
     def __init__(
         self,
         critic: Callable[[int, int], Critic],

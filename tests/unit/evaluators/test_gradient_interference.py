@@ -1,5 +1,6 @@
 """Goals on opposite sides interfere wholly, the same goal not at all, whatever the noise of few episodes."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -7,10 +8,12 @@ import numpy as np
 import pytest
 from blocks_with_goals import gaussian, subject, without_noise
 
+from dr_lab.algorithms.reinforce.critic_baseline import CriticBaseline
 from dr_lab.algorithms.reinforce.mean_baseline import MeanBaseline
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.evaluators.gradient_interference import GradientInterferenceEvaluator
 from dr_lab.evaluators.policy_gradients import spread_over
+from dr_lab.networks.critic import Critic
 
 
 def evaluator(**changes: Any) -> GradientInterferenceEvaluator:  # noqa: ANN401
@@ -82,3 +85,10 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
         evaluator(axes=axes).evaluate(subject(gaussian()), tmp_path, print)
     with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a share between 0 and 1"):
         evaluator(confidence=1.0)
+
+
+def test_a_baseline_that_has_to_learn_first_is_refused(tmp_path: Path) -> None:
+    made = partial(Critic, hidden=[], activation="tanh")
+    critic = CriticBaseline(made, seed=0, epochs=1, minibatch=1, rate=1.0, adam_epsilon=0.0)
+    with pytest.raises(ConfigError, match=r"baseline is CriticBaseline, .* Give baseline@evaluator\.baseline=mean"):
+        evaluator(baseline=critic).evaluate(subject(gaussian()), tmp_path, print)
