@@ -28,6 +28,10 @@ class PolicyRollouts:
     def outcomes(self, z: Array) -> tuple[Array, Flags]:
         """Undiscounted return of an episode in each context (k, n), and whether it is infeasible, shape (k,) each.
 
-        The return of an infeasible one is what the environment declares.
+        The return of an infeasible one is what the environment declares. Of a load no more is kept than that: the
+        courses of thousands of episodes would fill the memory.
         """
-        return outcomes(play(self._episodes, self._policy, z))
+        width = self._episodes.nsim
+        loads = (z[first : first + width] for first in range(0, len(z), width))
+        returns, infeasible = zip(*(outcomes(play(self._episodes, self._policy, load)) for load in loads), strict=True)
+        return np.concatenate(returns), np.concatenate(infeasible)

@@ -5,11 +5,16 @@ import numpy as np
 import pytest
 from block_on_rail import BlockOnRail, constant
 from numpy.typing import NDArray
+from tensordict import TensorDict
 
+from dr_lab.collectors.collector import Drive
+from dr_lab.collectors.play import outcomes, play
 from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.physics.model import from_spec
+from dr_lab.training import rollouts
 from dr_lab.training.recorded import record
 from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.trajectory import Array
@@ -82,3 +87,19 @@ def test_what_is_recorded_returns_what_is_returned() -> None:
     z = np.array([[0.5], [1.0], [4.0]])
     returns = PolicyRollouts(episodes(2), push).returns(z)
     np.testing.assert_allclose([each.undiscounted for each in record(block, episodes(3), push, z)], returns)
+
+
+def test_of_many_episodes_no_more_are_kept_than_run_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = list[int]()
+
+    def counted(slots: EpisodeSlots, drive: Drive, z: Array) -> TensorDict:
+        kept.append(len(z))
+        return play(slots, drive, z)
+
+    monkeypatch.setattr(rollouts, "play", counted)
+    z = np.array([[0.5], [1.0], [-1.0], [2.0], [4.0]])
+    returns, infeasible = PolicyRollouts(episodes(2), push).outcomes(z)
+    assert kept == [2, 2, 1]
+    wanted = outcomes(play(episodes(2), push, z))
+    np.testing.assert_array_equal(returns, wanted[0])
+    np.testing.assert_array_equal(infeasible, wanted[1])
