@@ -35,7 +35,7 @@ class Pair:
     @property
     def expected(self) -> float:
         """Return in the model; NaN where this diverged."""
-        return np.nan if self.simulated.ended == "infeasible" else self.simulated.undiscounted
+        return np.nan if _diverged(self.simulated) else self.simulated.undiscounted
 
     @property
     def difference(self) -> float:
@@ -105,11 +105,12 @@ class RealVsSimEvaluator(IntervalEvaluator):
             f"What is called real is {target.nature}, as config.yaml tells. {self.episodes} episodes were played on "
             "it, and from the same starts in the model. Returns are interquartile means, low and high their "
             f"intervals ({self.stated(len(pairs), known)}); infeasible is the share of episodes that diverge in the "
-            f"model{share}."
+            "model and are left out, real.infeasible that of those on what is called real, which count with the return "
+            f"that the task declares{share}."
         )
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:
-        """Interquartile means with their intervals, without what diverged; the difference is that of pairs."""
+        """Interquartile means with their intervals, without what diverged in the model; the difference is of pairs."""
         columns = {
             "real": [pair.real.undiscounted for pair in pairs],
             "simulated": [pair.expected for pair in pairs],
@@ -119,7 +120,12 @@ class RealVsSimEvaluator(IntervalEvaluator):
         for name, values in columns.items():
             found = self.interval(np.array(values))
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
-        return figures | {"infeasible": float(np.mean(~np.isfinite(columns["simulated"])))}
+        lost = {"infeasible": ~np.isfinite(columns["simulated"]), "real.infeasible": [_diverged(p.real) for p in pairs]}
+        return figures | {name: float(np.mean(values)) for name, values in lost.items()}
+
+
+def _diverged(episode: Episode) -> bool:
+    return episode.ended == "infeasible"
 
 
 def _driven(target: Target) -> Target:

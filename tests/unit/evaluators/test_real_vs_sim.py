@@ -28,7 +28,7 @@ from dr_lab.recorders.episode import Episode
 from dr_lab.targets.model import ModelTarget
 from dr_lab.targets.plant import PlantTarget
 from dr_lab.targets.target import Target
-from dr_lab.training.recorded import record
+from dr_lab.training.recorded import as_episode, record
 
 STEPS = 40
 
@@ -132,6 +132,17 @@ def test_an_episode_that_diverged_in_the_model_is_counted_and_no_part_of_the_mea
         assert found.figures[key] == whole.rows[1][key]
     assert found.figures["real"] == whole.figures["real"]
     assert found.units == {"arm.rmse": "rad", "pole.rmse": "rad"}
+
+
+def test_an_episode_that_diverged_on_the_target_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def diverging(*given: Any) -> Episode:  # noqa: ANN401
+        episode = as_episode(*given)
+        return replace(episode, ended="infeasible") if episode.name == "real_2" else episode
+
+    monkeypatch.setattr(real_vs_sim, "as_episode", diverging)
+    found = evaluated(bench("furuta", "plant.nominal.spread=0.0"), subject(start="[0.1,0.1]"), episodes=2)
+    assert (found.figures["infeasible"], found.figures["real.infeasible"]) == (0.0, 0.5)
+    assert "real.infeasible that of those on what is called real" in found.told
 
 
 def test_a_free_joint_has_an_error_for_each_of_its_numbers() -> None:
