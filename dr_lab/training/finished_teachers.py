@@ -72,7 +72,11 @@ def _domain(folder: Path, space: ContextSpace) -> Array:
     path = folder / "report.json"
     if not path.is_file():
         raise DataError(f"The teacher {folder} has no report.json: it has not ended. {_REMEDY}")
-    context = typed(TrainReport, json.loads(path.read_text(encoding="utf-8")), path).context
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise DataError(f"The teacher {folder} has a report.json that cannot be read: {error}. {_REMEDY}") from error
+    context = typed(TrainReport, content, path).context
     if set(context) != set(space.names):
         raise DataError(
             f"The teacher {folder} was trained in contexts of {', '.join(context) or 'nothing'}; expected "

@@ -83,6 +83,9 @@ def test_what_cannot_teach_is_refused(tmp_path: Path) -> None:
     run(tmp_path / "other", 0, 0.6, "mass")
     with pytest.raises(DataError, match="trained in contexts of mass; expected gain"):
         teachers(tmp_path / "other").slot_contexts(gains())
+    (tmp_path / "other" / "report.json").write_text("{", "utf-8")
+    with pytest.raises(DataError, match=r"has a report\.json that cannot be read: Expecting property name"):
+        teachers(tmp_path / "other").slot_contexts(gains())
     (tmp_path / "other" / "report.json").unlink()
     with pytest.raises(DataError, match=r"has no report.json"):
         teachers(tmp_path / "other").slot_contexts(gains())
