@@ -31,7 +31,7 @@ def of_training(
     try:
         training = yaml.safe_load((Path(trained) / _CONFIG).read_text(encoding="utf-8"))
         typed = by_key([str(override) for override in training["made_with"]["overrides"]])
-    except (OSError, yaml.YAMLError, TypeError, KeyError):
+    except (OSError, ValueError, yaml.YAMLError, TypeError, KeyError):
         return own | {TRAINED: trained}, kept | {TRAINED: trained}
     return own | {f"{TRAINED}.{key}": value for key, value in typed.items()}, kept | {TRAINED: experiment(training, ())}
 

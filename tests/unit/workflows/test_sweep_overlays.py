@@ -83,7 +83,9 @@ def test_evaluations_are_told_apart_by_how_their_policies_were_trained(tmp_path:
         "learner=lsdr": [100.0],
         "learner=none": [1.0],
     }
-    (sweep / "0" / "config.yaml").unlink()  # what is gone is told apart by its folder
+    (sweep / "0" / "config.yaml").write_bytes(b"\xff")  # what is no text is told apart by its folder
+    assert len(grids(grouped(find_runs(tmp_path / "evaluated")[0], with_trained(["seed"])))) == 3
+    (sweep / "0" / "config.yaml").unlink()  # and so is what is gone
     assert len(grids(grouped(find_runs(tmp_path / "evaluated")[0], with_trained(["seed"])))) == 3
 
 
