@@ -31,6 +31,12 @@ from dr_lab.reports.typed import typed
 
 CASES = "cases"
 RESUMES_FROM = CASES  # what a run folder must hold to be resumed
+# Keys that may be others in a run that is gone on with: a case tells of itself what was asked, and goals are judged
+# anew. By which classes an answer is scored (`classes`) is found out once, beside the diagnosis.
+MAY_DIFFER = (
+    *("cases", "machines", "only", "draw", "spread", "shares", "kept", "noises"),
+    *("goals", "parameter_aliases", "effects", "recorder", "processes"),
+)
 
 
 def benchmark(

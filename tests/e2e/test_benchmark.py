@@ -2,11 +2,18 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hydra.utils import instantiate
+from omegaconf import OmegaConf
+from pretended_cases import A, named
 
 from dr_lab.__main__ import main
+from dr_lab.benchmark.case import expand
+from dr_lab.benchmark.pool import keep
+from dr_lab.cli.compose import compose
 
 DIAGNOSE = (
     "model=furuta",
@@ -44,9 +51,28 @@ def test_help_names_the_presets(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_what_cannot_be_resumed_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    few = ["machine=furuta", "effect=spring"]
-    assert main(["benchmark", *few, f"resume={tmp_path}", f"hydra.run.dir={tmp_path / 'run'}"]) == 2
+    line = ["benchmark", "machine=furuta", "effect=spring", f"resume={tmp_path}", f"hydra.run.dir={tmp_path / 'run'}"]
+    assert main(line) == 2
+    assert "Give resume=FOLDER of a run of dr-lab benchmark" in capsys.readouterr().err
+    OmegaConf.save(compose("benchmark", ["machine=furuta"]), tmp_path / "config.yaml")
+    assert main(line) == 2
     assert "is no run folder of a benchmark" in capsys.readouterr().err
+
+
+def test_answers_that_were_scored_by_other_classes_are_not_taken_over(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, line = tmp_path / "first", ["benchmark", "machine=furuta", "effect=spring"]
+    cfg = compose("benchmark", line[1:])
+    sets, machines = (instantiate(cfg[key], _convert_="all") for key in ("cases", "machines"))
+    case = next(case for case in expand(sets, machines) if case.kind == "single")
+    (first / "cases").mkdir(parents=True)
+    keep(first / "cases", {case: replace(named(A), case=case)})
+    OmegaConf.save(cfg, first / "config.yaml")
+    again = [*line, f"only=[{case.name}]", f"resume={first}"]
+    assert main([*again, "goals=strangers", f"hydra.run.dir={tmp_path / 'again'}"]) == 0
+    assert main([*again, "classes=predicted", f"hydra.run.dir={tmp_path / 'other'}"]) == 2
+    assert "classes._target_ is dr_lab.benchmark.predicted.PredictedClasses, there" in capsys.readouterr().err
 
 
 @pytest.mark.slow
