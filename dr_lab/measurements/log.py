@@ -92,7 +92,8 @@ def _output(part: RawChannel, keep: Mask, log: str, clock: str, notes: list[Note
     channel = part.channel
     time, value = _sound(_without_zeros(part, notes), keep, log, notes, held=False)
     if channel.wrap:
-        _, value, found = unwrap(channel.name, value, channel.wrap)
+        _, smooth, found = unwrap(channel.name, value, channel.wrap)
+        value = smooth + _turned_before(part, float(time[0]), value[0])
         notes += found
     elif channel.unit.name == "rad":
         notes += find_wraps(channel.name, value, contract)
@@ -121,6 +122,14 @@ def _command(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract
     if np.isfinite(longest_wait([time], contract, on_change=True)):
         notes += find_gaps(part.channel.name, time, contract)
     return Signal(part.channel.name, part.channel.unit.name, time, value, part.channel.between)
+
+
+def _turned_before(part: RawChannel, time: float, value: Array) -> Array:
+    """How far a file's jumps up to a sample, which has a time and value, carry it: all its stretches count the same."""
+    wrap, earlier = part.channel.wrap, part.time <= time
+    finite = drop_not_finite(part.channel.name, part.time[earlier], part.value[earlier])
+    ordered = drop_unordered(part.channel.name, finite.time, finite.value)
+    return wrap * np.rint((np.unwrap(ordered.value, period=wrap, axis=0)[-1] - value) / wrap)
 
 
 def _without_zeros(part: RawChannel, notes: list[Note]) -> RawChannel:

@@ -91,6 +91,18 @@ def test_a_motor_angle_is_unwrapped_behind_its_gear(tmp_path: Path, contract: Da
         read_log(path, {"q.position": entry | {"wrap": "yes"}}, {}, contract)
 
 
+def test_stretches_of_a_log_count_the_same_turns(tmp_path: Path, contract: DataContract) -> None:
+    """Behind a gear a turn of the motor is none of the joint: gravity would pull another way."""
+    motor, lost = 30 * TIME, np.arange(len(TIME)) % 50 == 7
+    shown = np.where(lost, np.nan, np.mod(motor, 2 * np.pi))
+    path = csv(tmp_path / "a.csv", time=TIME, q=shown)
+    entry: Entry = {"column": "q", "unit": "rad", "scale": 0.1, "wrap": 0.2 * np.pi}
+    found = read("bench", [str(path)], {"q.position": entry}, contract, fit=["a[:1.5]"], held_out=["a[1.5:3]", "a[3:]"])
+    parts = [log.outputs["q.position"] for log in (*found.fit, *found.held_out)]
+    for part in parts:
+        np.testing.assert_allclose(part.value, 3 * part.time, atol=1e-6)
+
+
 @pytest.mark.parametrize("kind", [np.uint32, np.uint64, np.int64])
 def test_unsigned_clocks_do_not_wrap_around(tmp_path: Path, contract: DataContract, kind: type) -> None:
     stamps = (1_000_000 + np.rint(1e6 * TIME)).astype(kind)
