@@ -9,8 +9,11 @@ import numpy as np
 from dr_lab.benchmark.case import Case
 from dr_lab.benchmark.observed import Compose, Observed, observe_exactly
 from dr_lab.benchmark.outcome import BASE
+from dr_lab.comparison.all_windows import on_all_windows
 from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.bench import FittedModel
+from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.effects.catalogue import candidates
 
@@ -61,7 +64,8 @@ def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -
     """Candidates, the refitted base included, that explain noise-free logs as well as the truth does.
 
     Those whose Σ (residual/σ)² over all windows exceeds the truth's by less than the evidence threshold. The truth's
-    own sum, which would be 0 if both engines solved the same equations without error, is the reference.
+    own sum, which would be 0 if both engines solved the same equations without error, is the reference; it counts as 0
+    where the truth is no candidate.
 
     Args:
         observed: noise-free logs, weighed by the noise of the real ones.
@@ -73,25 +77,33 @@ def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -
         is one, staying absent: then no other is listed.
     """
     study = observed.study
-    base = calibrate(study)
+    base, threshold = calibrate(study), study.bench.evidence.threshold
     for label in others:
-        base = _ranked(observed, base, label).get(label, (base, 0))[0]
-    exact, count = _ranked(observed, base, truth).get(truth, (base, 0))
-    most = _sum(exact) + study.bench.evidence.threshold
+        base = next((_whole(study, base, each) for each in _ranked(observed, base, label)), base)
+    own = next(iter(_ranked(observed, base, truth)), None)
+    exact = None if own is None else _whole(study, base, own)
+    count = 1 if own is None else len(own.effect.parameters)
+    goal, most = (threshold, threshold) if exact is None else (threshold + exact.fit.cost, threshold + _sum(exact))
     if _sum(base) < most:
         return {truth: count, BASE: 0}
-    alike = {label: n for label, (fitted_model, n) in _ranked(observed, base).items() if _sum(fitted_model) < most}
-    return {truth: count, **alike}
+    rivals = [c for c in _ranked(observed, base) if c.fitted and c.effect.label != truth]
+    alike = [c for c in rivals if _sum(_whole(study, base, c, goal)) < most]
+    return {truth: count, **{c.effect.label: len(c.effect.parameters) for c in alike}}
 
 
-def _ranked(observed: Observed, base: FittedModel, only: str | None = None) -> dict[str, tuple[FittedModel, int]]:
-    """Fitted model and number of parameters of every candidate, or of one alone, by label."""
+def _ranked(observed: Observed, base: FittedModel, only: str | None = None) -> Sequence[Candidate]:
+    """The candidates beside a base, or one alone, by label; none where it cannot be placed."""
     study = observed.study
     channels = study.bench.fit.channels
     placed = candidates(base.model, observed.effects, study.scales, study.compiled, channels).placed
     kept = [effect for effect in placed if only in (None, effect.label)]
-    ranking = rank(study.bench, base, kept, lambda _: None)
-    return {c.effect.label: (c.fitted_model, len(c.effect.parameters)) for c in ranking.candidates}
+    return rank(study.bench, base, kept, lambda _: None).candidates if kept else ()
+
+
+def _whole(study: Study, base: FittedModel, candidate: Candidate, goal: float = np.inf) -> FittedModel:
+    """A candidate on all windows: a ranking leaves those that it beats on a part of them as they were there."""
+    done = candidate.final and candidate.fitted_model.fit.converged
+    return candidate.fitted_model if done else on_all_windows(study, base, candidate, goal)
 
 
 def _sum(fitted_model: FittedModel) -> float:

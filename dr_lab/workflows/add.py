@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from dr_lab.comparison.all_windows import on_all_windows
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run
@@ -11,9 +12,6 @@ from dr_lab.comparison.ladder_report import Told, report_ladder
 from dr_lab.comparison.lesson import Lesson, lesson_at, measured_joints
 from dr_lab.comparison.progress import Screen, screen
 from dr_lab.comparison.study import Study, prepare
-from dr_lab.diagnosis.evidence.bench import FittedModel, fitted
-from dr_lab.diagnosis.search.candidate import Candidate
-from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -70,25 +68,10 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
     ranking = rank(study.bench, base, [effect], done)
     ladder = ladder.topped(ranking.base)
     rung = Rung.judged(study.bench, ranking.base, ranking.candidates)
-    step = AddedEffect(_on_all(study, ranking.base, ranking.candidates[0]), (), proven=bool(rung.verdict.effects))
+    found = ranking.candidates[0]
+    last = found.fitted_model if found.final else on_all_windows(study, ranking.base, found)
+    step = AddedEffect(last, (), proven=bool(rung.verdict.effects))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
-
-
-def _on_all(study: Study, base: FittedModel, candidate: Candidate) -> FittedModel:
-    """The candidate fitted to all windows, also where few of them promised nothing, and beyond bounds that it meets."""
-    if candidate.final:
-        return candidate.fitted_model
-    bench, model, values = study.bench.beside(base), candidate.fitted_model.model, candidate.fitted_model.values()
-    starts = [model.space.vector({**values, **start}) for start in ({}, *candidate.effect.starts)]
-    fits = [fitted(bench, model, start) for start in starts]
-    beside, best = CandidateFits(bench, base), min(fits, key=lambda fit: fit.order)
-    found = beside.candidate(candidate.effect, best, candidate.identifiability, candidate.predicted, bench.threads)
-    for _ in range(bench.evidence.widenings):
-        moved = beside.farther(found, bench.threads)
-        if moved is None:
-            break
-        found = moved
-    return found.fitted_model
 
 
 def _judged_as_it_is(study: Study, ladder: Ladder) -> Ladder:
