@@ -29,6 +29,11 @@ class JointCoupling(RigidEffect):
     own_radius: float
     slack: float
 
+    @property
+    def parameters(self) -> dict[str, object]:
+        """Magnitudes by name; the first is the stiffness that the other joint feels, in N·m/rad or N/m."""
+        return {"stiffness_at_other": self.stiffness * self.radius**2, **super().parameters}
+
     def alter(self, machine: Machine) -> Machine:
         """The machine with the cable."""
         described = self.described(machine)

@@ -12,14 +12,23 @@ from PIL import Image
 from pretended_cases import A, B, C, case_of, named, outcome_of
 from recorder_samples import read_recording
 
-from dr_lab.benchmark.outcome import Outcome
+from dr_lab.benchmark.outcome import Outcome, numbers_of
 from dr_lab.benchmark.pages import report_page
 from dr_lab.benchmark.rates import medians, parameter_errors, rate, rates, within_stated
 from dr_lab.benchmark.scoring import Goals, Scoring
 from dr_lab.benchmark.summary import answers, benchmark_report, cases_csv
+from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.groups import every
 from dr_lab.effects.effect import Effect
+from dr_lab.plants.hidden.actuator_lag import ActuatorLag
+from dr_lab.plants.hidden.coasting_bridge import CoastingBridge
+from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.hidden.force_limit import ForceLimit
+from dr_lab.plants.hidden.joint_coupling import JointCoupling
+from dr_lab.plants.hidden.rate_limit import RateLimit
+from dr_lab.plants.hidden.torque_speed_limit import TorqueSpeedLimit
+from dr_lab.plants.hidden.wind import Wind
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion, confusion_csv, confusion_picture
 from dr_lab.recorders.look import Look
@@ -84,6 +93,26 @@ def test_parameter_errors_speak_the_catalogues_names() -> None:
     expected = {f"{A}.torque": pytest.approx(0.05), f"{B}.stiffness": pytest.approx(0.1)}
     assert parameter_errors(both, ALIASES) == expected
     assert parameter_errors(named(A, magnitudes={A: {"torque": 2e-3}}), ALIASES) == {}
+
+
+@pytest.mark.parametrize(
+    ("hidden", "fitted"),
+    [
+        (ActuatorLag(0.004, "motor"), {"tau": 0.004}),
+        (RateLimit(50.0, 1e-4, "motor"), {"inverse_rate": 0.02}),
+        (ForceLimit("wheel", 4.0), {"inverse_limit": 0.25}),
+        (TorqueSpeedLimit("wheel", 0.5, 20.0), {"inverse_stall": 2.0, "inverse_speed": 0.05}),
+        (CoastingBridge("wheel", 20.0), {"inverse_speed": 0.05}),
+        (Wind(along_x=-3.0), {"x": -3.0}),
+        (JointCoupling("elbow", "shoulder", 600.0, 0.03, 0.06, 0.0), {"stiffness": 0.54, "ratio": 2.0}),
+    ],
+)
+def test_what_is_fitted_exactly_has_no_error(hidden: HiddenEffect, fitted: dict[str, float]) -> None:
+    """600 N/m over pulleys of 3 cm are 0.54 N·m/rad at the joint."""
+    label, main = hidden.label, next(iter(fitted))
+    exact = named(label, magnitudes=numbers_of([label], hidden.parameters), fitted={label: fitted})
+    aliases = compose("benchmark", []).parameter_aliases
+    assert parameter_errors(exact, aliases) == {f"{label}.{main}": pytest.approx(0.0, abs=1e-12)}
 
 
 @pytest.mark.parametrize(
