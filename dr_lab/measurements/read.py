@@ -65,7 +65,8 @@ def read(
     carrying = frozenset(known) if loaded is None else named(loaded, known)
     parts = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
     every = [replace(log, loaded=part.log in carrying) for log, part in zip(parts, (*fitted, *scored), strict=True)]
-    fit_logs, held_out_logs = mark_faults(every[: len(fitted)], every[len(fitted) :], contract)
+    wraps = {channel.name: channel.wrap for channel in measured if channel.wrap}
+    fit_logs, held_out_logs = mark_faults(every[: len(fitted)], every[len(fitted) :], contract, wraps)
     noise, waits = _pooled(measured, sent, fit_logs + held_out_logs, contract)
     return _without_derived(MeasurementSet(name, fit_logs, held_out_logs, noise, waits), contract)
 

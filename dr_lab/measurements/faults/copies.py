@@ -1,6 +1,6 @@
 """Logs that hold the same samples: copies, whole or in part, whatever their names and clocks."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,9 +9,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from dr_lab.measurements.contract import DataContract
-from dr_lab.trajectory import Log, Signal
+from dr_lab.trajectory import Array, Log
 
 _WORD = 32  # samples that are compared at a time
+_TURN = 2**24  # parts of a turn that are told apart; as many as in single precision
 _DISTINCT = 8  # different values that such a word holds at least: a standstill looks the same in all logs
 _MIX = np.random.default_rng(0).integers(1, 2**63, _WORD, np.uint64) | np.uint64(1)
 
@@ -51,7 +52,7 @@ class _Words(NamedTuple):
     lively: NDArray[np.bool_]
 
 
-def find_copies(logs: Sequence[Log], contract: DataContract) -> tuple[Copy, ...]:
+def find_copies(logs: Sequence[Log], contract: DataContract, wraps: Mapping[str, float]) -> tuple[Copy, ...]:
     """Pairs of logs of which every moving output shares enough samples in a row at one shift (`contract`).
 
     Samples are compared in single precision, which survives a change of format; real machines never repeat 32 samples
@@ -60,24 +61,33 @@ def find_copies(logs: Sequence[Log], contract: DataContract) -> tuple[Copy, ...]
     Args:
         logs: all logs of a machine.
         contract: thresholds.
+        wraps: by how much outputs jump in their files, by name; each log has counted its turns from where it begins.
     """
     found = []
-    words = [{name: _words(signal) for name, signal in log.outputs.items() if signal.value.ndim == 1} for log in logs]
+    kinds = [[_words_of(log, turns) for log in logs] for turns in ([{}, wraps] if wraps else [{}])]
     for second in range(len(logs)):
         for first in range(second):
-            copy = _shared(logs, first, second, words[first], words[second], contract)
+            shared = (_shared(logs, first, second, words[first], words[second], contract) for words in kinds)
+            copy = next((each for each in shared if each is not None), None)
             if copy is not None:
                 found.append(copy)
     return tuple(found)
 
 
-def _words(signal: Signal) -> _Words:
-    value = np.ascontiguousarray(signal.value, np.float32) + np.float32(0.0)  # −0 is 0
-    if len(value) < _WORD:
+def _words_of(log: Log, wraps: Mapping[str, float]) -> dict[str, _Words]:
+    """Words of the scalar outputs, of those that wrap without their turns."""
+    scalars = {name: signal.value for name, signal in log.outputs.items() if signal.value.ndim == 1}
+    return {name: _words(value, wraps.get(name, 0.0)) for name, value in scalars.items()}
+
+
+def _words(value: Array, wrap: float) -> _Words:
+    shown = np.mod(np.rint(value / wrap * _TURN), _TURN) if wrap else value
+    single = np.ascontiguousarray(shown, np.float32) + np.float32(0.0)  # −0 is 0
+    if len(single) < _WORD:
         return _Words(np.zeros(0, np.uint64), np.zeros(0, bool))
-    words = (sliding_window_view(value.view(np.uint32).astype(np.uint64), _WORD) * _MIX).sum(1, dtype=np.uint64)
-    changes = np.concatenate([[0], np.cumsum(np.diff(value) != 0.0)])
-    return _Words(words, changes[_WORD - 1 :] - changes[: len(value) - _WORD + 1] >= _DISTINCT)
+    words = (sliding_window_view(single.view(np.uint32).astype(np.uint64), _WORD) * _MIX).sum(1, dtype=np.uint64)
+    changes = np.concatenate([[0], np.cumsum(np.diff(single) != 0.0)])
+    return _Words(words, changes[_WORD - 1 :] - changes[: len(single) - _WORD + 1] >= _DISTINCT)
 
 
 def _shared(

@@ -1,6 +1,6 @@
 """Frozen sensors, copies and machines at rest under commands, looked for when all logs of a machine are read."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from dr_lab.errors import DataError
@@ -12,7 +12,7 @@ from dr_lab.trajectory import Log, Note
 
 
 def mark_faults(
-    fit: Sequence[Log], held_out: Sequence[Log], contract: DataContract
+    fit: Sequence[Log], held_out: Sequence[Log], contract: DataContract, wraps: Mapping[str, float]
 ) -> tuple[tuple[Log, ...], tuple[Log, ...]]:
     """The logs with a note of kind ``fault`` on each fault, frozen samples left out as a gap.
 
@@ -20,13 +20,14 @@ def mark_faults(
         fit: logs to fit on.
         held_out: logs that score.
         contract: thresholds.
+        wraps: by how much outputs jump in their files, by name.
 
     Raises:
         DataError: a held-out log holds data of a fitted one.
     """
     logs = (*fit, *held_out)
     notes: list[list[Note]] = [[] for _ in logs]
-    for copy in find_copies(logs, contract):
+    for copy in find_copies(logs, contract, wraps):
         if (copy.first < len(fit)) != (copy.second < len(fit)):
             raise DataError(_refusal(logs, copy))
         notes[copy.second].append(_copied(logs, copy))

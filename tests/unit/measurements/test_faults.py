@@ -53,7 +53,7 @@ def faults(log: Log) -> list[Note]:
 
 def test_sound_logs_are_left_alone(contract: DataContract) -> None:
     logs = [swinging(seed) for seed in range(4)]
-    fit, held_out = mark_faults(logs[:2], logs[2:], contract)
+    fit, held_out = mark_faults(logs[:2], logs[2:], contract, {})
     assert [*fit, *held_out] == logs
 
 
@@ -64,7 +64,7 @@ def test_a_frozen_encoder_is_told_and_its_span_left_out(contract: DataContract, 
         rng = np.random.default_rng(0)
         outputs = {n: replace(s, value=s.value + noise * rng.standard_normal(len(s))) for n, s in log.outputs.items()}
         log = replace(log, outputs=outputs)
-    ((one, marked), _) = mark_faults([swinging(1), frozen(log, "joint_1.position", 2.0, 3.2)], [], contract)
+    ((one, marked), _) = mark_faults([swinging(1), frozen(log, "joint_1.position", 2.0, 3.2)], [], contract, {})
     (note,) = faults(marked)
     assert note.signal == "joint_1.position"
     assert "from 2.00 to 3.20 s" in note.message
@@ -80,7 +80,7 @@ def test_a_sensor_slower_than_its_topic_is_not_frozen(contract: DataContract) ->
         name: replace(signal, value=np.repeat(signal.value[::60], 60)[: len(signal)])
         for name, signal in log.outputs.items()
     }
-    ((marked,), _) = mark_faults([replace(log, outputs=slow)], [], contract)
+    ((marked,), _) = mark_faults([replace(log, outputs=slow)], [], contract, {})
     assert faults(marked) == []
 
 
@@ -98,12 +98,12 @@ def test_a_motor_that_starts_from_rest_is_no_frozen_sensor(contract: DataContrac
 def test_friction_that_holds_a_joint_is_no_frozen_sensor(contract: DataContract) -> None:
     """A joint that comes to rest by braking and later sets off from rest."""
     log = swinging(0, rests_from=2.0, held=0.2)
-    ((marked,), _) = mark_faults([log], [], contract)
+    ((marked,), _) = mark_faults([log], [], contract, {})
     assert faults(marked) == []
 
 
 def test_a_machine_at_rest_under_full_commands_is_off(contract: DataContract) -> None:
-    _, (marked,) = mark_faults([swinging(1)], [swinging(0, rests_from=3.0)], contract)
+    _, (marked,) = mark_faults([swinging(1)], [swinging(0, rests_from=3.0)], contract, {})
     (note,) = faults(marked)
     assert note.message.startswith("Off: from 3.")
     assert "motor" in note.message
@@ -116,7 +116,7 @@ def test_a_sensor_that_is_silent_is_no_machine_at_rest(contract: DataContract, s
     for name, signal in log.outputs.items():
         heard = (signal.time < 2.0) | (signal.time >= 3.5)
         outputs[name] = replace(signal, time=signal.time[heard], value=signal.value[heard])
-    ((marked,), _) = mark_faults([replace(log, outputs=outputs)], [], contract)
+    ((marked,), _) = mark_faults([replace(log, outputs=outputs)], [], contract, {})
     assert faults(marked) == []
 
 
@@ -125,7 +125,7 @@ def test_an_encoder_that_freezes_amid_an_even_motion_is_told(contract: DataContr
     time = np.arange(2048) / 256
     value = np.where((time >= 2.0) & (time < 3.2), 2.0, time)
     even = Signal("wheel.position", "rad", time, value)
-    ((marked,), _) = mark_faults([Log("log", {"wheel.position": even}, {})], [], contract)
+    ((marked,), _) = mark_faults([Log("log", {"wheel.position": even}, {})], [], contract, {})
     (note,) = faults(marked)
     assert "from 2.00 to 3.20 s" in note.message
 
@@ -141,11 +141,21 @@ def test_a_held_out_copy_of_a_fitted_log_is_refused(contract: DataContract, part
         "other_name", moved, {"motor": replace(original.commands["motor"], time=original.commands["motor"].time + 40)}
     )
     with pytest.raises(DataError, match=r"'log_0' and 'other_name' hold the same data"):
-        mark_faults([original, swinging(1)], [swinging(2), copy], contract)
+        mark_faults([original, swinging(1)], [swinging(2), copy], contract, {})
+
+
+def test_the_end_of_a_log_that_wraps_is_a_copy_though_its_turns_are_counted_anew(contract: DataContract) -> None:
+    time = np.arange(0.0, LENGTH, 0.002)
+    angle = 3.0 * time + np.sin(5.0 * time)
+    whole = Log("whole", {"q.position": Signal("q.position", "rad", time, angle)}, {})
+    end = Log("end", {"q.position": Signal("q.position", "rad", time[1000:], angle[1000:] - 2 * np.pi)}, {})
+    with pytest.raises(DataError, match="'whole' and 'end' hold the same data"):
+        mark_faults([whole], [end], contract, {"q.position": 2 * np.pi})
+    assert mark_faults([whole], [end], contract, {}) == ((whole,), (end,))
 
 
 def test_a_copy_within_the_fitted_logs_is_told(contract: DataContract) -> None:
-    ((first, second), _) = mark_faults([swinging(0), replace(swinging(0), name="again")], [], contract)
+    ((first, second), _) = mark_faults([swinging(0), replace(swinging(0), name="again")], [], contract, {})
     assert faults(first) == []
     (note,) = faults(second)
     assert "log_0" in note.message
@@ -160,13 +170,13 @@ def test_slow_motion_that_shares_a_moment_with_another_is_no_copy(contract: Data
     for number, slow in enumerate((0.3 * np.sin(0.5 * time), 0.2 * np.cos(0.7 * time))):
         value = np.where(moment, np.sin(60.0 * time), 0.05 * np.round(slow / 0.05))
         logs.append(Log(f"log_{number}", {"joint.position": Signal("joint.position", "rad", time, value)}, {}))
-    fit, held_out = mark_faults(logs[:1], logs[1:], contract)
+    fit, held_out = mark_faults(logs[:1], logs[1:], contract, {})
     assert [*fit, *held_out] == logs
 
 
 def test_a_standstill_may_lie_within_a_copy(contract: DataContract) -> None:
     copy = replace(swinging(0, rests_from=3.0), name="again")
-    (_, second), _ = mark_faults([swinging(0, rests_from=3.0), copy], [], contract)
+    (_, second), _ = mark_faults([swinging(0, rests_from=3.0), copy], [], contract, {})
     assert [note.count for note in faults(second) if note.message.startswith("Copied")] == [2500]
 
 
@@ -177,5 +187,5 @@ def test_two_falls_from_the_same_rest_are_no_copies(contract: DataContract, alik
         name: replace(signal, value=np.where(signal.time < alike, one.outputs[name].value, signal.value))
         for name, signal in other.outputs.items()
     }
-    fit, _ = mark_faults([one, replace(other, outputs=outputs)], [], contract)
+    fit, _ = mark_faults([one, replace(other, outputs=outputs)], [], contract, {})
     assert bool(faults(fit[1])) == told
