@@ -86,7 +86,7 @@ class Episodes(ContextSlots):
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self._over = np.zeros(nsim, bool)  # ended and not begun anew
         self.infeasible = 0
-        self._marker = task.marker(self._fields)
+        self._marker = self._marked(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
         if staggered:
@@ -120,7 +120,7 @@ class Episodes(ContextSlots):
             self._forces.rest(rows)
         self._steps[rows], self._returns[rows], self._failed[rows], self._over[rows] = 0, 0.0, False, False
         fields = ReadFields({name: field[rows] for name, field in self._fields.items()})
-        self._marker[rows] = self.task.marker(fields)
+        self._marker[rows] = self._marked(fields)
         self.observation = self.observation.copy()
         begun = self._seen(fields, self.contexts[rows])
         require_finite(self.task, self._returns[rows], begun, self._qpos[rows], self._over[rows])
@@ -137,9 +137,10 @@ class Episodes(ContextSlots):
         if self._forces is not None:
             self._forces.update()
         fields = self._fields
-        observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
+        observation, marker = self._seen(fields, self.contexts), self._marked(fields)
         terminated = self.task.terminated(fields, values)
-        reward = self.task.reward(Change(self._marker, marker, fields, values, terminated, action, self.seconds))
+        change = Change(self._marker, marker, fields, values, terminated, action, self.seconds)
+        reward = np.array(self.task.reward(change))
         require_outcome(self.task, reward, terminated, self.nsim)
         failed = self._failed | self._diverged()
         if failed.any():
@@ -183,9 +184,12 @@ class Episodes(ContextSlots):
         return self.simulator.infeasible | ~slow
 
     def _seen(self, fields: Fields, contexts: Array) -> Array:
-        observation = self.task.observe(fields, self._by_name(contexts))
+        observation = np.array(self.task.observe(fields, self._by_name(contexts)))
         require_observation(self.task, observation, len(contexts))
         return self._with_context(observation, contexts)
+
+    def _marked(self, fields: Fields) -> Array:
+        return np.array(self.task.marker(fields))
 
     def _of_machine(self, z: Array) -> Array:
         return z[:, : len(self.model.space.names)]

@@ -58,6 +58,8 @@ class Change:
 class Task(ABC):
     """A task, for n simulations at once.
 
+    What its methods give may be parts of the fields themselves, as ``fields["qpos"][:, :1]``; whoever keeps it copies.
+
     Attributes:
         frame_skip: physics steps per control step.
         time_limit: control steps after which an episode is cut (a truncation, not a termination).

@@ -39,7 +39,7 @@ class AntBody(Task):
 
     def marker(self, fields: Fields) -> Array:
         """The torso's x as MuJoCo's step leaves it: that of the integrator's last evaluation."""
-        return fields["xpos"][:, TORSO, :1].copy()
+        return fields["xpos"][:, TORSO, :1]
 
     def effort(self, change: Change) -> Array:
         """What control costs, shape (n,)."""

@@ -58,7 +58,7 @@ class Humanoid(Task):
 
     def marker(self, fields: Fields) -> Array:
         """The centre of mass's x as MuJoCo's step leaves it: that of the integrator's last evaluation."""
-        return fields["subtree_com"][:, 0, :1].copy()
+        return fields["subtree_com"][:, 0, :1]
 
     def reward(self, change: Change) -> Array:
         """Forward, alive, effort, contacts."""

@@ -7,9 +7,10 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 import pytest
-from block_on_rail import BlockOnRail
+from block_on_rail import BlockOnRail, constant
 from numpy.typing import NDArray
 
+from dr_lab.collectors.play import play
 from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.task import Change, Fields, Values
@@ -122,3 +123,29 @@ def test_numbers_of_an_episode_that_has_ended_are_nobodys_business() -> None:
     assert task.step(np.ones((ROWS, 1))).done.tolist() == ends.tolist()
     object.__setattr__(task.task, "changed", {"reward": lambda given: np.where(ends, np.nan, given)})
     assert np.isfinite(task.step(np.ones((ROWS, 1))).reward).tolist() == [False, True, True]
+
+
+def test_what_a_task_gives_may_be_a_part_of_a_field() -> None:
+    """MuJoCo writes into fields at every step; what the policy saw, what was earned and where it was before stay."""
+
+    class Bare(BlockOnRail):
+        def marker(self, fields: Fields) -> Array:
+            return fields["qpos"]
+
+        def observe(self, fields: Fields, values: Values) -> Array:
+            del values
+            return fields["qvel"]
+
+        def reward(self, change: Change) -> Array:
+            np.testing.assert_allclose(change.velocity, change.fields["qvel"])
+            return change.fields["qvel"][:, 0]
+
+    model, task = from_spec("block", mujoco.MjSpec.from_string(XML), {}), Bare(frame_skip=1, time_limit=4)
+    slots = Episodes(model, task, None, ROWS, 0, show_context=False, infeasible_return=-9.0, speed_limit=np.inf)
+    played = play(slots, constant(1.0), np.zeros((ROWS, 0)))
+    speeds = np.tile(0.005 * np.arange(1.0, 5.0)[:, None], (ROWS, 1, 1))  # 1 N moves 2 kg for steps of 0.01 s
+    for seen in ("observation", "reward", "qvel"):
+        np.testing.assert_allclose(played["next", seen], speeds, rtol=1e-6)
+    before = slots.observation
+    slots.step(np.ones((ROWS, 1)))
+    np.testing.assert_array_equal(before, speeds[:, -1])
