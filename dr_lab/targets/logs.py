@@ -1,10 +1,12 @@
 """Recorded logs of the real machine: what it was commanded, and how it moved."""
 
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 from tensordict import TensorDict, pad_sequence
 
+from dr_lab.bounds import FINITE, Positive, above, require_bounds
 from dr_lab.collectors.collector import Drive
 from dr_lab.diagnosis.windows.commands import averages
 from dr_lab.envs.setting import Setting
@@ -17,6 +19,17 @@ from dr_lab.targets.task_view import TaskView
 from dr_lab.trajectory import Array, Log, MeasurementSet
 
 _ROUNDING = 1e-9  # relative; a command at a bound is within it, and a log of whole steps has the last one
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """What `LogsTarget` makes episodes by, in s."""
+
+    half_width: Positive
+    stretch: Annotated[float | None, above(0.0), FINITE]
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "target")
 
 
 class LogsTarget(Target):
@@ -33,9 +46,9 @@ class LogsTarget(Target):
             log is an episode, or as much of it as the task's episodes are long.
 
     Raises:
-        ConfigError: a joint is not measured or an actuator's command is not recorded; a command is outside of the
-            task's actions; the task reads more than positions and velocities, or ends where an episode begins; no log
-            is as long as a stretch.
+        ConfigError: a number is not above 0; a joint is not measured or an actuator's command is not recorded; a
+            command is outside of the task's actions; the task reads more than positions and velocities, or ends where
+            an episode begins; no log is as long as a stretch.
     """
 
     drivable: ClassVar[bool] = False
@@ -47,7 +60,7 @@ class LogsTarget(Target):
         compiled = setting.model.nominal()
         self._joints = [f"{compiled.joint(i).name}.position" for i in range(compiled.njnt)]
         self._actuators = [compiled.actuator(row).name for row in commanded(compiled)]
-        self._view, self._half_width = TaskView(setting), half_width
+        self._view, self._by = TaskView(setting), _Cut(half_width, stretch)
         for log in measurements.fit:
             missing = [name for name in self._joints if name not in log.outputs]
             missing += [name for name in self._actuators if name not in log.commands]
@@ -58,11 +71,12 @@ class LogsTarget(Target):
                     "each a number. Choose the measurements of the same machine: "
                     "measurements@….target.measurements=NAME."
                 )
-        self._episodes = [episode for log in measurements.fit for episode in self._cut(log, stretch)]
+        self._episodes = [episode for log in measurements.fit for episode in self._cut(log)]
         if not self._episodes:
             asked = "a control step" if stretch is None else f"{stretch:g} s"
             raise ConfigError(
-                f"No log of target=logs that is fitted lasts {asked}. Give longer ones, or lower stretch."
+                f"No log of target=logs that is fitted lasts {asked} from where all joints and commands have begun to "
+                "where the first joint ends. Give longer ones, or lower stretch."
             )
 
     def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
@@ -80,15 +94,18 @@ class LogsTarget(Target):
             )
         return pad_sequence([self._episodes[index * known // count] for index in range(count)])
 
-    def _cut(self, log: Log, stretch: float | None) -> list[TensorDict]:
+    def _cut(self, log: Log) -> list[TensorDict]:
         """The episodes of a log."""
         measured, sent = [log.outputs[name] for name in self._joints], [log.commands[name] for name in self._actuators]
         first, last = max(s.time[0] for s in (*measured, *sent)), min(signal.time[-1] for signal in measured)
         whole = int((last - first) / self._view.seconds * (1 + _ROUNDING))
+        if whole < 1:
+            return []
+        stretch = self._by.stretch
         wanted = whole if stretch is None else round(stretch / self._view.seconds)
         steps = max(1, min(wanted, self._view.steps))
         instants = first + np.arange(whole + 1) * self._view.seconds
-        fits = [local_polynomial(signal, instants, self._half_width) for signal in measured]
+        fits = [local_polynomial(signal, instants, self._by.half_width) for signal in measured]
         qpos, qvel = (np.stack(columns, 1) for columns in ([f.value for f in fits], [f.slope for f in fits]))
         action = self._within(log, self._actions(log, instants))
         begins = range(0, whole - steps + 1, steps)[: 1 if stretch is None else None]

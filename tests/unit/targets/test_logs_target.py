@@ -22,9 +22,15 @@ def log(name: str, seconds: float) -> Log:
     return Log(name, signals, {"motor": command})
 
 
-def target(*logs: Log, env: str = "furuta", stretch: float | None = None, held_out: tuple[Log, ...] = ()) -> LogsTarget:
+def target(
+    *logs: Log,
+    env: str = "furuta",
+    half_width: float = 0.01,
+    stretch: float | None = None,
+    held_out: tuple[Log, ...] = (),
+) -> LogsTarget:
     measured = MeasurementSet("m", logs, held_out, {}, {})
-    return LogsTarget(setting(env, f"env.task.time_limit={STEPS}"), measured, 0.01, stretch)
+    return LogsTarget(setting(env, f"env.task.time_limit={STEPS}"), measured, half_width, stretch)
 
 
 def test_a_log_comes_back_as_an_episode() -> None:
@@ -63,6 +69,23 @@ def test_stretches_follow_one_another_and_are_spread_over_the_fitted_logs() -> N
 
 def test_a_log_as_long_as_a_stretch_is_one() -> None:
     assert len(target(log("short", 0.291), stretch=0.29).play(None, None, 1)[0]) == 29  # it ends at 0.29 s
+
+
+def test_a_log_whose_channels_do_not_overlap_holds_no_episode() -> None:
+    late = log("late", 1.0)
+    pole = late.outputs["pole.position"]
+    apart = replace(late, outputs={**late.outputs, pole.name: replace(pole, time=pole.time + 2.0)})
+    with pytest.raises(ConfigError, match=r"lasts a control step from where all .* have begun to where the first"):
+        target(apart)
+    assert len(target(apart, log("whole", 1.0)).play(None, None, 1)) == 1
+
+
+@pytest.mark.parametrize("number", [-1.0, 0.0, np.nan, np.inf])
+def test_a_length_that_is_none_is_refused(number: float) -> None:
+    with pytest.raises(ConfigError, match=rf"target\.stretch is {number:g}; expected"):
+        target(log("a", 1.0), stretch=number)
+    with pytest.raises(ConfigError, match=rf"target\.half_width is {number:g}; expected"):
+        target(log("a", 1.0), half_width=number)
 
 
 def test_what_the_task_cannot_do_is_refused() -> None:
