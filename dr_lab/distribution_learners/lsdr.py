@@ -127,7 +127,12 @@ class LSDR(DistributionLearner):
 
     def _learnable(self) -> list[torch.nn.Parameter]:
         parameters = list(self.randomizer.parameters())
-        if not parameters:
+        if not self.randomizer.space.names:
+            raise ConfigError(
+                "distribution_learner=lsdr has nothing to learn: the machine varies no parameter. Choose some, e.g. "
+                "env/context=hopper/torso_size, or take distribution_learner=none."
+            )
+        if not any(parameter.numel() for parameter in parameters):
             raise ConfigError(
                 f"distribution_learner=lsdr has nothing to learn in {type(self.randomizer).__name__}. "
                 "Take randomizer=discrete, gaussian or mixture, or distribution_learner=none."

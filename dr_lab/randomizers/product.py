@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-import torch
 from torch import Tensor, nn
 
 from dr_lab.errors import ConfigError
@@ -62,8 +61,8 @@ class ProductRandomizer(Density):
 
     def log_prob(self, z: Tensor) -> Tensor:
         """Σ_k log p_k(z_k)."""
-        parts = [self._factor(k).log_prob(z[..., columns]) for k, columns in enumerate(self._columns)]
-        return torch.stack(parts, -1).sum(-1)
+        held = [(k, columns) for k, columns in enumerate(self._columns) if columns]  # torch has no Gaussian of nothing
+        return sum((self._factor(k).log_prob(z[..., columns]) for k, columns in held), z.new_zeros(z.shape[:-1]))
 
     def edges(self, axis: int) -> Array:
         """Those of the parameter's factor."""

@@ -16,6 +16,7 @@ from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.discrete import DiscreteRandomizer
 from dr_lab.randomizers.gaussian import gaussian
+from dr_lab.randomizers.product import ProductRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.trajectory import Array
@@ -128,6 +129,11 @@ def test_no_learner_plays_nothing() -> None:
 def test_nothing_to_learn_is_told() -> None:
     with pytest.raises(ConfigError, match="nothing to learn in UniformRandomizer"):
         learner(wide(TORSO), "prior", alpha=0.2)
+    normal = partial(gaussian, mean={}, std={}, relative_std=1.0, clip=False)
+    with pytest.raises(ConfigError, match=r"the machine varies no parameter\. Choose some, e\.g\. env/context="):
+        learner(normal(ContextSpace(())), "prior", alpha=0.2)
+    with pytest.raises(ConfigError, match="nothing to learn in ProductRandomizer"):  # all are in the other factor
+        learner(ProductRandomizer(TORSO, {"normal": normal, "flat": wide}, {"normal": []}), "prior", alpha=0.2)
 
 
 def test_a_prior_beyond_the_cells_is_told() -> None:

@@ -118,6 +118,15 @@ def test_a_product_is_made_of_independent_families() -> None:
         ProductRandomizer(SPACE, {"a": uniform, "b": uniform}, {})
 
 
+def test_a_factor_may_have_no_parameter() -> None:
+    """As two of the three in ``randomizer=product`` until they are given some."""
+    families = {"normal": partial(gaussian, mean={}, std={}, relative_std=1.0, clip=False), "uniform": uniform}
+    spread = ProductRandomizer(SPACE, families, {"normal": []})
+    z = torch.tensor([[1.2, 0.1], [0.7, -0.6]], dtype=torch.float64)
+    np.testing.assert_allclose(spread.log_prob(z), uniform().log_prob(z))
+    assert ProductRandomizer(ContextSpace(()), {"normal": families["normal"]}, {}).log_prob(z[:, :0]).tolist() == [0, 0]
+
+
 def test_a_gaussian_begins_in_the_centre_with_a_share_of_the_uniform_width() -> None:
     randomizer = gaussian(SPACE, {"mass": 2.0}, {"mass": 0.1}, relative_std=0.1, clip=False)
     normal = randomizer.distribution()
