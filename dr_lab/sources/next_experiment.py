@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dr_lab.bounds import Count, require_bounds
 from dr_lab.channel_names import joint_of
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.plants.played import Played
 from dr_lab.plants.rig import Rig
 from dr_lab.reports.gap_entries import ExperimentEntry
@@ -31,11 +32,17 @@ class NextExperimentSource:
         bench: the machine, its instruments and its topics.
         run: folder of a run of ``dr-lab close``, ``diagnose`` or ``add``.
         repeats: how often the experiment is played.
+
+    Raises:
+        ConfigError: it is to be played less than once.
     """
 
     bench: PlantSource
     run: str
-    repeats: int
+    repeats: Count
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "")
 
     def logs(self, seed: int) -> Iterator[NamedLog]:
         """The experiment's logs; errors as `rig`."""
@@ -50,7 +57,7 @@ class NextExperimentSource:
 
         Raises:
             ConfigError: the run has no report, its report no experiment, or it is none of this machine.
-            DataError: the report cannot be read.
+            DataError: the report cannot be read, or its commands are no table of numbers.
         """
         folder, rig = Path(self.run).expanduser(), self.bench.plant
         entry = _proposed(folder)
@@ -88,10 +95,21 @@ def _rows(path: Path, actuators: Sequence[str]) -> tuple[Array, Array]:
     if not path.is_file():
         raise ConfigError(f"The report of the run speaks of {path}, which is not there. Copy the whole run folder.")
     with path.open(encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(file)
-    if set(header[1:]) != set(actuators):
+        lines = [line for line in csv.reader(file) if line]
+    header, rows = next(iter(lines), []), lines[1:]
+    if header and set(header[1:]) != set(actuators):
         raise _other_machine(path, "commands", header[1:], actuators)
-    table = np.array(rows, dtype=float)
+    try:
+        table = np.array(rows, dtype=float)
+    except ValueError:  # a line is shorter than others, or holds a word
+        table = np.empty((0, 0))
+    if not (
+        rows and table.shape[1:] == (len(header),) and np.isfinite(table).all() and (np.diff(table[:, 0]) > 0).all()
+    ):
+        raise DataError(
+            f"{path} holds no table of what is to be commanded; expected the line time_s,{','.join(actuators)} and "
+            "below it lines of as many finite numbers, whose times increase. Copy the file from the run once more."
+        )
     return table[:, 0], table[:, [header.index(name) for name in actuators]]
 
 

@@ -83,6 +83,35 @@ def test_logs_join_the_folder_of_the_others(run: Path, tmp_path: Path) -> None:
     assert sorted(path.name for path in logs.iterdir()) == ["log_1.mcap", "next_1.mcap", "truth.yaml"]
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "",
+        "time_s,motor\n",
+        "time_s,motor\n0,1.5\n0.02\n",
+        "time_s,motor\n0,1.5,7\n",
+        "time_s,motor\n0,off\n",
+        "time_s,motor\n0,nan\n",
+        "time_s,motor\n0.02,1\n0,2\n",
+    ],
+)
+def test_a_file_that_was_spoilt_is_told(run: Path, lines: str) -> None:
+    (run / "next_experiment.csv").write_text(lines, "utf-8")
+    with pytest.raises(DataError, match=r"holds no table .*; expected the line time_s,motor and .* times increase\."):
+        recordings(source(run))
+
+
+def test_blank_lines_count_nothing(run: Path) -> None:
+    (run / "next_experiment.csv").write_text("time_s,motor\n0,1.5\n\n0.02,-2\n\n", "utf-8")
+    (log,) = recordings(source(run))
+    np.testing.assert_allclose(log.command[:, 0], [1.5, -2.0, -2.0, -2.0, -2.0])
+
+
+def test_an_experiment_is_played_once_at_least(run: Path) -> None:
+    with pytest.raises(Exception, match=r"repeats is 0; expected at least 1\."):
+        source(run, "repeats=0")
+
+
 def test_what_cannot_be_played_is_told(run: Path, tmp_path: Path, close_report: dict[str, Any]) -> None:
     with pytest.raises(ConfigError, match=r"holds no report\.json"):
         recordings(source(tmp_path))
