@@ -9,7 +9,14 @@ from dr_lab.envs.context_slots import ContextSlots, first_ages
 from dr_lab.envs.drivers import stepwise
 from dr_lab.envs.slots import Flags, Rows, Starts, StepOutcome
 from dr_lab.envs.task import Change, Fields, Task, Values, context_space, required_bounds
-from dr_lab.envs.task_outputs import ReadFields, require_finite, require_observation, require_outcome, require_start
+from dr_lab.envs.task_outputs import (
+    ReadFields,
+    require_controls,
+    require_finite,
+    require_observation,
+    require_outcome,
+    require_start,
+)
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
 from dr_lab.physics.setpoints import Setpoints
@@ -133,7 +140,9 @@ class Episodes(ContextSlots):
             action: as the task takes it, shape (n, a); what lies outside of the bounds is cut off.
         """
         action, values = np.clip(action, self.low, self.high), self._by_name(self.contexts)
-        self.simulator.step(self.task.controls(action, values), self.task.frame_skip)
+        controls = self.task.controls(action, values)
+        require_controls(self.task, controls, action, self.nsim, self.simulator.compiled.nu)
+        self.simulator.step(controls, self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
         fields = self._fields

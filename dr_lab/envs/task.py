@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.bounds import Count, require_bounds
-from dr_lab.errors import ModelError
+from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.context import ContextSpace, concatenate
 from dr_lab.physics.model import Model
 from dr_lab.physics.parameter import Parameter
@@ -160,16 +160,23 @@ def context_space(model: Model, task: Task) -> ContextSpace:
 
 
 def required_bounds(task: Task, compiled: mujoco.MjModel) -> tuple[Array, Array]:
-    """Lowest and highest action, shape (nu,), between which every actuator can do something.
+    """Lowest and highest action, shape (a,), between which every actuator can do something.
 
     Raises:
         ModelError: an actuator has no such range, as one without ``ctrlrange``.
+        ConfigError: the task's own bounds are not as many highest as lowest ones.
     """
-    low, high = task.action_bounds(compiled)
+    low, high = (np.array(bound, dtype=float) for bound in task.action_bounds(compiled))
+    if low.ndim != 1 or low.shape != high.shape:
+        raise ConfigError(
+            f"Task {type(task).__name__}.action_bounds gives arrays of shapes {low.shape} and {high.shape}; expected "
+            "one lowest and one highest number for each action, (a,) and (a,)."
+        )
     fixed = np.flatnonzero(~((low < high) & np.isfinite(high - low)))
     if len(fixed):
-        given = ", ".join(f"{compiled.actuator(int(i)).name or i} [{low[i]:g}, {high[i]:g}]" for i in fixed)
         own = type(task).action_bounds is not Task.action_bounds
+        names = [f"action {i}" if own else compiled.actuator(int(i)).name or i for i in fixed]
+        given = ", ".join(f"{name} [{low[i]:g}, {high[i]:g}]" for name, i in zip(names, fixed, strict=True))
         remedy = (
             f"Mend action_bounds of {type(task).__name__}, or the numbers of env.task that it takes"
             if own

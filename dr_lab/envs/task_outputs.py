@@ -59,6 +59,20 @@ def require_observation(task: Task, observation: Array, rows: int) -> None:
         raise _other_shape(task, "observe", "an array", shape, (rows, "o"))
 
 
+def require_controls(task: Task, controls: Array, action: Array, rows: int, width: int) -> None:
+    """Refuse what is not one row of finite commands a simulation, unless the policy asked for what is not finite.
+
+    Raises:
+        ConfigError: its shape differs, or a number is not finite.
+    """
+    if np.shape(controls) != (rows, width):
+        raise _other_shape(task, "controls", "an array", np.shape(controls), (rows, width))
+    bad = np.flatnonzero(np.isfinite(action).all(axis=1) & ~np.isfinite(controls).all(axis=1))
+    if len(bad):
+        numbers, asked = (np.array2string(each[bad[0]], precision=4) for each in (controls, action))
+        raise ConfigError(f"{_name(task)}.controls gives {numbers} for action {asked}; expected finite numbers.")
+
+
 def require_outcome(task: Task, reward: Array, terminated: Flags, rows: int) -> None:
     """Refuse what is not one reward and one flag a simulation.
 
@@ -99,9 +113,10 @@ def require_finite(task: Task, reward: Array, observation: Array, qpos: Array, o
 def _other_shape(
     task: Task, method: str, what: str, given: Sequence[int], expected: Sequence[int | str]
 ) -> ConfigError:
+    one = {"observe": ", one row a simulation", "controls": ", one row a simulation and one column a command"}
+    told = one.get(method, ", one a simulation") if what == "an array" else ""
     return ConfigError(
-        f"{_name(task)}.{method} gives {what} of shape {_shape(given)}; expected {_shape(expected)}"
-        + (", one row a simulation." if method == "observe" else ", one a simulation." if what == "an array" else ".")
+        f"{_name(task)}.{method} gives {what} of shape {_shape(given)}; expected {_shape(expected)}{told}."
     )
 
 

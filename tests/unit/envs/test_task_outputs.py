@@ -38,6 +38,10 @@ class Block(BlockOnRail):
         del values
         return self._changed("observe", np.column_stack([fields["qpos"], fields["qvel"]]))
 
+    def controls(self, action: Array, values: Values) -> Array:
+        del values
+        return self._changed("controls", action)
+
     def reward(self, change: Change) -> Array:
         return self._changed("reward", -np.abs(change.fields["qpos"][:, 0]))
 
@@ -81,6 +85,16 @@ def episodes(method: str, change: Callable[[Any], Any]) -> Episodes:
             r"Block\.reward gives an array of shape \(3, 1\); expected \(3,\), one a",
         ),
         ("reward", lambda given: float(given.mean()), r"Block\.reward gives an array of shape \(\); expected \(3,\)"),
+        (
+            "controls",
+            lambda given: given[:, 0],
+            r"Block\.controls gives an array of shape \(3,\); expected \(3, 1\), one row a simulation and one column a",
+        ),
+        (
+            "controls",
+            lambda given: given * np.nan,
+            r"Block\.controls gives \[nan\] for action \[1\.\]; expected finite",
+        ),
         ("reward", lambda given: given * np.nan, r"Block\.reward gives \[nan\] at positions"),
         ("terminated", lambda given: False, r"Block\.terminated gives an array of shape \(\); expected \(3,\)"),
         ("terminated", lambda given: 1.0 * given, r"Block\.terminated gives float64; expected bool"),
