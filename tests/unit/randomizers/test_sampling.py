@@ -9,12 +9,14 @@ import pytest
 import torch
 from randomizer_samples import SPACE, correlated, factored, mixed, truncated, uneven, uniform
 from scipy.stats import kstest, multivariate_normal, norm, truncnorm
+from torch import Tensor
 
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.discrete import DiscreteRandomizer
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.randomizers.gaussian import gaussian
+from dr_lab.randomizers.histogram import Histogram
 from dr_lab.randomizers.mixture import MixtureRandomizer
 from dr_lab.randomizers.product import ProductRandomizer
 from dr_lab.randomizers.randomizer import Density
@@ -116,6 +118,26 @@ def test_a_product_is_made_of_independent_families() -> None:
     assert names == [f"factors.0.{name}" for name in ("loc", "log_diagonal", "lower")]
     with pytest.raises(ConfigError, match=r"each parameter at most once, for all but one of the factors a, b"):
         ProductRandomizer(SPACE, {"a": uniform, "b": uniform}, {})
+
+
+def test_cells_are_cumulated_anew_where_their_logits_have_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Tensor] = []
+
+    class Counted(Histogram):
+        @property
+        def log_probabilities(self) -> Tensor:  # pyright: ignore[reportIncompatibleVariableOverride]
+            asked.append(self.logits)
+            return self.logits.flatten().log_softmax(0).reshape(self.logits.shape)
+
+    monkeypatch.setattr("dr_lab.randomizers.discrete.Histogram", Counted)
+    randomizer, draw = DiscreteRandomizer(MASS, {}, bins=2), partial(np.random.default_rng, 0)
+    drawn = [randomizer.sample([draw()] * 50) for _ in range(3)]
+    assert len(asked) == 1
+    np.testing.assert_array_equal(drawn[0], drawn[2])
+    with torch.no_grad():
+        randomizer.logits[0] -= 50.0  # as a step of an optimiser does, in place
+    assert (randomizer.sample([draw()] * 50) >= MASS.low + MASS.span / 2).all()
+    assert len(asked) == 2
 
 
 def test_a_factor_may_have_no_parameter() -> None:
