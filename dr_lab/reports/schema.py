@@ -4,14 +4,13 @@ import functools
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from jsonschema import Draft202012Validator
 
 from dr_lab.errors import DataError, UnknownNameError
 
 
-def validate(report: Mapping[str, Any], place: str = "The report") -> None:
+def validate(report: object, place: str = "The report") -> None:
     """Check a report against the schema that it names.
 
     Args:
@@ -19,9 +18,11 @@ def validate(report: Mapping[str, Any], place: str = "The report") -> None:
         place: where it stands, for the message.
 
     Raises:
-        DataError: keys are missing or of another type; the message lists every place.
+        DataError: it is no object, or keys are missing or of another type; the message lists every place.
         UnknownNameError: there is no such schema.
     """
+    if not isinstance(report, Mapping):
+        raise DataError(f"{place} holds a {type(report).__name__}; expected a JSON object, as dr-lab writes it.")
     name = str(report.get("schema"))
     schemas = _schemas()
     if name not in schemas:

@@ -80,6 +80,8 @@ def test_validator_lists_every_problem(close_report: dict[str, Any]) -> None:
     del close_report["ranking"][2]["gain"]
     with pytest.raises(DataError) as error:
         validate(close_report)
+    with pytest.raises(DataError, match="The report holds a list; expected a JSON object"):
+        validate([])
     for place in (
         "'noise' is a required",
         "$.verdict",
