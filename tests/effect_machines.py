@@ -7,10 +7,12 @@ import hydra
 import mujoco
 import numpy as np
 from hydra.utils import instantiate
+from mujoco.batch import MODEL_FIELDS
 from omegaconf import DictConfig
 
 from dr_lab.cli.groups import every
 from dr_lab.effects.effect import Effect, PlacedEffect, Scales, place
+from dr_lab.physics.body_contexts import field_of
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
@@ -136,3 +138,15 @@ def replayed(model: Model, z: Array, controls: Array, past: Array, seed: int = 0
     )
     assert not rollout.infeasible.any()
     return rollout.qpos
+
+
+def field_sizes(model: mujoco.MjModel) -> list[tuple[int, ...]]:
+    """Shapes of a model's fields that simulations may have of their own; beside a law they are written one by one."""
+    return [field_of(model, name).shape for name in MODEL_FIELDS]
+
+
+def model_bytes(model: mujoco.MjModel) -> bytes:
+    """All of a compiled model."""
+    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()

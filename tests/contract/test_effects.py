@@ -5,12 +5,10 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from effect_machines import CONF, NAMES, catalogue_effect, replayed
-from mujoco.batch import MODEL_FIELDS
+from effect_machines import CONF, NAMES, catalogue_effect, field_sizes, model_bytes, replayed
 
 from dr_lab.diagnosis.windows.channels import available
 from dr_lab.effects.effect import PlacedEffect, Scales, place
-from dr_lab.physics.body_contexts import field_of
 from dr_lab.physics.model import Model, from_spec, load
 from dr_lab.trajectory import Array
 
@@ -214,7 +212,7 @@ def test_layout_is_the_same_at_every_value(model: str, effect: str, site: str) -
     low, nominal, high = (
         extended.compile(z) for z in (extended.space.low, extended.space.nominal, extended.space.high)
     )
-    assert _sizes(low) == _sizes(nominal) == _sizes(high)
+    assert field_sizes(low) == field_sizes(nominal) == field_sizes(high)
 
 
 def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
@@ -242,12 +240,12 @@ def test_absent_has_a_usable_slope_or_starts(model: str, effect: str, site: str)
             assert one.starts, parameter.name
 
 
-def test_compiling_twice_gives_the_same_bytes(model: str, effect: str, site: str) -> None:
+def test_compiling_twice_gives_the_samemodel_bytes(model: str, effect: str, site: str) -> None:
     extended, one = put(model, effect, site)
     z = vectors(extended, one)[-1]
-    first = _bytes(extended.compile(z))
+    first = model_bytes(extended.compile(z))
     extended.compile(extended.space.high)
-    assert _bytes(extended.compile(z)) == first
+    assert model_bytes(extended.compile(z)) == first
 
 
 def test_exported_file_is_the_same_machine(model: str, effect: str, site: str) -> None:
@@ -259,7 +257,7 @@ def test_exported_file_is_the_same_machine(model: str, effect: str, site: str) -
     text = spec.to_xml()
     read = mujoco.MjSpec.from_string(text)
     again = read.compile()
-    assert _sizes(original) == _sizes(again)
+    assert field_sizes(original) == field_sizes(again)
     paths = [_free_run(m) for m in (original, again)]
     moved = np.abs(paths[0] - paths[0][0]).max()
     assert np.abs(paths[0] - paths[1]).max() < 1e-3 * moved + 1e-9
@@ -277,16 +275,6 @@ def _free_run(model: mujoco.MjModel) -> Array:
         data.ctrl[:] = np.sin(30.0 * data.time + np.arange(model.nu))
         mujoco.mj_step(model, data)
     return np.array(path)
-
-
-def _sizes(model: mujoco.MjModel) -> list[tuple[int, ...]]:
-    return [field_of(model, name).shape for name in MODEL_FIELDS]  # beside a law they are written one by one
-
-
-def _bytes(model: mujoco.MjModel) -> bytes:
-    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
-    mujoco.mj_saveModel(model, None, buffer)
-    return buffer.tobytes()
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if catalogue_effect(name).shapes])
