@@ -27,7 +27,7 @@ UNITS: dict[str, dict[str, float]] = {
     "1": {"1": 1.0, "percent": 1e-2},
 }
 BY_NAME = "sign and unit are by its name alone."  # what is unsure of a command that the motion hardly shows
-_POSITIONS = {*UNITS["rad"], *UNITS["m"]}
+_POSITIONS = ("rad", "m")  # SI units of controls that ask for a position
 _VELOCITIES = ("rad/s", "m/s")  # units of controls that ask for a velocity
 
 
@@ -181,7 +181,7 @@ def _fits(drive: Drive, given: Given, series: Sequence[Series]) -> bool:
     if not _takes(drive, series[given.series]):
         return False
     if drive.added:
-        return words.kind != "drive" if given.stiffness > 0 else words.unit not in _POSITIONS
+        return words.kind != "drive" if given.stiffness > 0 else unit_of(words.unit or "1").name not in _POSITIONS
     return given.stiffness == 0 and not (drive.servo and words.kind == "drive")
 
 
@@ -198,7 +198,7 @@ def _command(
     base = drive.unit if not servo else ("m" if drive.unit == "N" else "rad")
     gain = given.gain / (given.stiffness if servo else drive.force)
     words = series[given.series].words
-    unit, scale, doubts = _unit(gain, base, words.unit, settings)
+    unit, scale, doubts = _unit(gain, base, words.unit, settings, stated=servo or not drive.added)
     explained = 1 - given.left / max(idle, np.finfo(float).tiny)
     late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
     why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}{drive.told}"
@@ -224,13 +224,22 @@ def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -
 
 
 def factors(base: str, said: str) -> dict[str, float]:
-    """Sizes of the units that a command's numbers may have; a control without a unit may be in any that is said."""
+    """Sizes of the units that numbers may have: the usual ones, and one that is said if it is of that quantity.
+
+    A control without a unit may be in any that is said.
+    """
     known = UNITS.get(base, {base: 1.0})
-    return {**known, said: unit_of(said).factor} if base == "1" and said else known
+    told = said and (base == "1" or unit_of(said).name == base)
+    return {**known, said: unit_of(said).factor} if told else known
 
 
-def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tuple[str, float, list[str]]:
-    """Unit and scale of a command by its gain, and what is unsure about them."""
+def _unit(
+    gain: float, base: str, said: str, settings: ProposalSettings, *, stated: bool
+) -> tuple[str, float, list[str]]:
+    """Unit and scale of a command by its gain, and what is unsure about them.
+
+    Where the model states the base unit, numbers whose name says none are in it; a force that was added states nothing.
+    """
     size, known = abs(gain), factors(base, said)
     if said in known:
         left = size / known[said]
@@ -240,7 +249,7 @@ def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tupl
     if abs(math.log(size / factor)) < math.log(settings.near_unit):
         contradicts = [f"named {said}, but it moves the joint as {_plain(name)} do."] if said and said != name else []
         return name, 1.0, contradicts
-    if settings.gain < size < 1 / settings.gain and said in ("", base):
+    if settings.gain < size < 1 / settings.gain and stated and not said:
         return base, 1.0, [f"acts {size:.2g} times as strongly as {_plain(base)} would; read as {_plain(base)}."]
     scale = f"{size:.3g}" if base == "1" else f"{size:.3g} {base}"
     return base, float(f"{size:.3g}"), [f"its scale of {scale} is judged from the motion alone; check it."]

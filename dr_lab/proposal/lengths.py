@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import mujoco
 
 from dr_lab.proposal.by_name import matches, said_of
-from dr_lab.proposal.drives import UNITS
+from dr_lab.proposal.drives import factors
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.survey import Series
 from dr_lab.proposal.words import tokens
@@ -22,7 +22,7 @@ def is_bare(series: Series) -> bool:
 
 def is_length(series: Series) -> bool:
     """Whether a series' name says that it is a length."""
-    return series.words.unit in UNITS["m"] or (is_bare(series) and not series.words.unit)
+    return series.words.unit in factors("m", series.words.unit) or (is_bare(series) and not series.words.unit)
 
 
 def joints_may_be(model: mujoco.MjModel, joints: Sequence[str], series: Sequence[Series]) -> list[list[int]]:

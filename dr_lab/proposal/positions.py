@@ -11,7 +11,7 @@ from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
-from dr_lab.proposal.drives import UNITS, Drive, drives_of, integrates
+from dr_lab.proposal.drives import Drive, drives_of, factors, integrates
 from dr_lab.proposal.grid import Grid, grid_of, held_of, integral_of, path_of, wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
@@ -212,16 +212,18 @@ def _options(
     found = []
     for j, each in enumerate(allowed):
         rate, angle = bool({*each} & {*rates}), bool(model.jnt_type[j] == _HINGE)
-        known, series = _known(model, j, rate=rate), [candidates[k] for k in each]
+        series = [candidates[k] for k in each]
+        known = _known(model, j, series, rate=rate)
         said = {s.words.unit or unit_by_rests(s, asked, known, settings) for s in series}
         found.append(Options(tuple(each), _units(said, known), angle and not rate))
     return found
 
 
-def _known(model: mujoco.MjModel, j: int, *, rate: bool) -> Mapping[str, float]:
-    """Sizes of the units that a joint's position or velocity may have."""
+def _known(model: mujoco.MjModel, j: int, series: Sequence[Series], *, rate: bool) -> Mapping[str, float]:
+    """Sizes of the units that a joint's position or velocity may have: the usual ones, and others that names say."""
     unit = "rad" if model.jnt_type[j] == _HINGE else "m"
-    return UNITS[f"{unit}/s" if rate else unit]
+    base = f"{unit}/s" if rate else unit
+    return {name: factor for each in series for name, factor in factors(base, each.words.unit).items()}
 
 
 def unhindered(model: mujoco.MjModel) -> mujoco.MjModel:
@@ -276,7 +278,7 @@ def _output(
     found = searched.found
     reading = found.readings[j]
     series, factor, rate = candidates[reading.series], abs(reading.factor), reading.series in searched.trial.rates
-    known = _known(model, j, rate=rate)
+    known = _known(model, j, [series], rate=rate)
     unit = min(known, key=lambda name: abs(known[name] - factor))
     scale = float(f"{factor / known[unit]:.9g}")
     left = float(found.outcome.left[model.jnt_dofadr[j]])

@@ -1,8 +1,9 @@
 """All series of numbers of all logs, on each log's clock, as they are before anything is known of them."""
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ from dr_lab.proposal.partly_held import partly_held
 from dr_lab.proposal.readable import readable
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
-from dr_lab.proposal.words import Words, read_name, told_apart
+from dr_lab.proposal.words import Words, asked_for, read_name, told_apart
 from dr_lab.trajectory import Signal
 
 
@@ -101,8 +102,9 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     least = settings.contract.minimum_samples
     signals = [[None if s is None or len(s.time) < least else s for s in log.signals] for log in read]
     usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
-    apart = told_apart(place.path for place in places)
-    every = [_named(places[k], tuple(s for log in signals if (s := log[k]) is not None), apart) for k in usable]
+    paths = [place.path for place in places]
+    named = partial(read_name, apart=told_apart(paths), asked_for=asked_for(paths))
+    every = [_series(places[k], named, [s for log in signals if (s := log[k]) is not None]) for k in usable]
     counts = tuple(each for each in every if _counts_rows(each))
     series = tuple(each for each in every if not _counts_rows(each))
     doubts = (*doubts, *(said for log in read for said in log.doubts))
@@ -195,8 +197,8 @@ def _require_long(short: Mapping[str, str], logs: int) -> None:
         raise DataError(f"Each log is too short. {listed} Record for longer or at a higher rate, or name other logs.")
 
 
-def _named(place: Place, signals: tuple[Signal, ...], apart: Collection[tuple[str, ...]]) -> Series:
-    return Series(place, read_name(place.topic, place.path, place.label, apart), signals)
+def _series(place: Place, named: Callable[[str, str, str], Words], signals: Sequence[Signal]) -> Series:
+    return Series(place, named(place.topic, place.path, place.label), tuple(signals))
 
 
 def _spread(count: int, most: int) -> list[int]:

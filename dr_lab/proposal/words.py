@@ -8,6 +8,7 @@ from typing import Literal
 
 Kind = Literal["position", "velocity", "drive", "reference", "asked velocity", "other", ""]
 
+_MICRO = str.maketrans("µμ", "uu")  # the sign and the Greek letter
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
 # Units as the last words of a name, the longest first, with the quantity that they say.
 _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
@@ -43,7 +44,12 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("rad",), "rad", "position"),
     (("deg",), "deg", "position"),
     (("degrees",), "deg", "position"),
+    (("turn",), "turn", "position"),
+    (("turns",), "turn", "position"),
+    (("rev",), "turn", "position"),
+    (("um",), "um", "position"),
     (("mm",), "mm", "position"),
+    (("cm",), "cm", "position"),
     (("m",), "m", "position"),
 )
 _VELOCITY = {"vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"}
@@ -53,7 +59,7 @@ _OTHER = {
 }
 _REFERENCE = {
     *("ref", "reference", "des", "desired", "target", "goal", "setpoint", "cmd", "command", "commands", "commanded"),
-    *("action", "ctrl", "control", "controls", "con", "input"),
+    *("action", "ctrl", "control", "controls", "con", "input", "set", "soll", "demand", "demanded"),
 }
 _MEASURED = {"state", "states", "feedback", "actual", "meas", "measured"}
 _DRIVE = {
@@ -63,6 +69,11 @@ _DRIVE = {
 _POSITION = {
     *("pos", "position", "positions", "q", "qpos", "angle", "angles", "theta", "phi", "psi", "alpha", "beta", "state"),
     *("x", "y", "z", "enc", "encoder", "encoders", "joints"),
+}
+# Words of drives that are also said of what is measured, with the words they then go with: pos_act, current position.
+_PRESENT: dict[str, set[str]] = {
+    "act": _POSITION - {"x", "y", "z", "state", "joints"},
+    "current": {"pos", "position", "positions", "qpos", "angle", "angles"},
 }
 # Single letters that are units, with the words of quantities that are measured in them.
 _LETTERS: dict[str, set[str]] = {
@@ -130,7 +141,7 @@ class Words:
 
 def tokens(text: str) -> list[str]:
     """Lower-case words and numbers of a name."""
-    return [word.lower() for word in _WORD.findall(text)]
+    return [word.lower() for word in _WORD.findall(text.translate(_MICRO))]
 
 
 def told_apart(paths: Iterable[str]) -> frozenset[tuple[str, ...]]:
@@ -147,7 +158,25 @@ def told_apart(paths: Iterable[str]) -> frozenset[tuple[str, ...]]:
     return frozenset(before for before, found in letters.items() if found - _LETTERS.keys() - _AXES)
 
 
-def read_name(topic: str, path: str, label: str, apart: Collection[tuple[str, ...]] = ()) -> Words:
+def asked_for(paths: Iterable[str]) -> frozenset[tuple[str, ...]]:
+    """What is asked for: the words of such names without those that say so, ``j 1`` of J1_des.
+
+    Args:
+        paths: fields or columns.
+    """
+    every = [tokens(path) for path in paths]
+    return frozenset(
+        tuple(word for word in words if word not in _REFERENCE) for words in every if {*words} & _REFERENCE
+    )
+
+
+def read_name(
+    topic: str,
+    path: str,
+    label: str,
+    apart: Collection[tuple[str, ...]] = (),
+    asked_for: Collection[tuple[str, ...]] = (),
+) -> Words:
     """Read the name of a series.
 
     Args:
@@ -155,9 +184,12 @@ def read_name(topic: str, path: str, label: str, apart: Collection[tuple[str, ..
         path: field or column.
         label: of a list's entry; empty where it has none.
         apart: words behind which a single letter is no unit, from `told_apart`.
+        asked_for: from `asked_for`; ``act`` beside such words is what there is, as in J1_act beside J1_des.
     """
     place, words = path.replace(f"[{label}]", "") if label else path, tokens(label)
     own = tokens(place)
+    without = [word for word in own if word != "act"]
+    own = without if tuple(without) in asked_for else own
     unit, unit_kind, rest = _unit(own, apart)
     above = set(tokens(topic))
     asked = bool({*rest} & _REFERENCE or (above & _REFERENCE and not (above | {*rest}) & _MEASURED))
@@ -179,7 +211,8 @@ def _kind(rest: list[str], above: set[str], by_unit: Kind, asked: bool) -> Kind:
         return "other"
     if by_unit == "velocity" or own & _VELOCITY or any(word.startswith("d") and word[1:] in _POSITION for word in own):
         return "asked velocity" if asked else "velocity"
-    if by_unit == "drive" or own & (_DRIVE - {"u", "motor"}):
+    drives = {word for word in own & (_DRIVE - {"u", "motor"}) if not own & _PRESENT.get(word, set())}
+    if by_unit == "drive" or (drives - _PRESENT.keys() if by_unit == "position" else drives):
         return "drive"
     if asked:
         return "drive" if above & (_DRIVE - {"u", "motor"}) else "reference"

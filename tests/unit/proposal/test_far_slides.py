@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+import yaml
 from played_logs import played, write_log
 
 from dr_lab.__main__ import main
@@ -32,6 +33,16 @@ def test_millimetres_that_are_read_as_metres_are_doubted(capsys: pytest.CaptureF
     assert "rail moves over 9" in page
     assert "times the model's size of 0." in page
     assert "Are the numbers millimetres? Then write unit: mm, a factor of 0.001, by which it moves 0." in page
+
+
+@pytest.mark.parametrize(("said", "unit", "factor"), [("um", "um", 1e6), ("[µm]", "um", 1e6), ("cm", "cm", 1e2)])
+def test_a_unit_that_a_name_says_is_believed(
+    said: str, unit: str, factor: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Linear scales count in micrometres."""
+    told(capsys, f"t,scale {said}", factor)
+    page = yaml.safe_load(Path("mine/measurements/it.yaml").read_text(encoding="utf-8"))
+    assert page["outputs"] == {"rail.position": {"column": f"scale {said}", "unit": unit}}
 
 
 @pytest.mark.parametrize(
