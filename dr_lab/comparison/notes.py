@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dr_lab.comparison.fault_notes import KIND, fault_notes
+from dr_lab.comparison.misread_notes import misread_notes
 from dr_lab.comparison.silent_notes import silent_notes
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.checks.open_chains import open_chain
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import block_count
-from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.fit.covariance import per_log, per_log_std
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder
@@ -33,7 +33,7 @@ def study_notes(study: Study) -> list[NoteEntry]:
     """Notes on the data and the model, before anything is fitted."""
     return [
         *fault_notes(study.faults, study.measurements),
-        *_unit_note(study),
+        *misread_notes(study),
         *_step_note(study),
         *_chain_note(study),
         *silent_notes(study.compiled, study.measurements),
@@ -224,21 +224,6 @@ def _put_back(one: PutBack) -> str:
     held = "change little beside what the time step does; a finer one in the MJCF would tell" if one.hidden else held
     held = "ended next to zero, where it is that" if one.at_limit else held
     return f"{one.richer} was put back to {one.poorer}: its further parameters {held} ({values})."
-
-
-def _unit_note(study: Study) -> list[NoteEntry]:
-    bench, settings = study.bench, study.settings
-    found = suspect_degrees(
-        study.model, study.measurements, settings.faults.degrees, settings.windows, bench.solver, bench.threads
-    )
-    if found is None:
-        return []
-    names = ", ".join(found.channels)
-    message = (
-        f"{names} in radians, as declared, leave χ² {found.chi2:.3g}; read as degrees {found.chi2_degrees:.3g}: the "
-        "factor 57.3 = 180/π is suspected. Write unit: deg if the numbers are degrees."
-    )
-    return [NoteEntry(message, "unit")]
 
 
 def _step_note(study: Study) -> list[NoteEntry]:

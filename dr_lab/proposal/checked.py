@@ -13,6 +13,7 @@ from dr_lab.diagnosis.checks.numerical_floor import numerical_floor
 from dr_lab.diagnosis.checks.open_chains import Mending, open_chain
 from dr_lab.diagnosis.checks.refinement import refine
 from dr_lab.diagnosis.faults.data_faults import Fault
+from dr_lab.diagnosis.faults.unit_suspicion import suspect_turned
 from dr_lab.errors import DrLabError
 from dr_lab.measurements.read import read
 from dr_lab.measurements.units import unit
@@ -78,6 +79,29 @@ def closed(proposal: Proposal, measured: MeasurementSet, check: ModelCheckSettin
         proposal,
         outputs=tuple(_read_as(output, found.mending) for output in proposal.outputs),
         notes=(*proposal.notes, found.message),
+    )
+
+
+def turned(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:
+    """The proposal with the other sign of a channel that counts the other way than the model, as an upturned sensor."""
+    found = suspect_turned(
+        proposal.model, measured, checks.faults.degrees, checks.windows, checks.solver, checks.threads
+    )
+    if found is None:
+        return proposal
+    note = (
+        f"{found.channels[0]} is read with the other sign: so the model, simulated over a few windows, leaves χ² "
+        f"{found.chi2_read_anew:.3g} of it and the others, else {found.chi2:.3g}."
+    )
+    return replace(
+        proposal,
+        outputs=tuple(
+            replace(output, sign=-output.sign, offset=-output.offset or 0.0)
+            if output.channel in found.channels
+            else output
+            for output in proposal.outputs
+        ),
+        notes=(*proposal.notes, note),
     )
 
 

@@ -8,7 +8,7 @@ from dr_lab.comparison.comparison import ComparisonSettings
 from dr_lab.diagnosis.faults.data_faults import suspect_faults
 from dr_lab.errors import DrLabError
 from dr_lab.files import write_text
-from dr_lab.proposal.checked import closed, told, usable_logs
+from dr_lab.proposal.checked import closed, told, turned, usable_logs
 from dr_lab.proposal.folder import Folder
 from dr_lab.proposal.held import without_held
 from dr_lab.proposal.pages import measurements_page, model_page, model_xml
@@ -59,6 +59,9 @@ def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSett
     try:
         split, measured = usable_logs(found, settings, checks)
         mended = closed(found, measured, checks.model_check)
+        if mended.outputs != found.outputs:
+            split, measured = usable_logs(mended, settings, checks)
+        found, mended = mended, turned(mended, measured, checks)
         if mended.outputs != found.outputs:
             split, measured = usable_logs(mended, settings, checks)
         room = doubt_of_room(measured, checks)

@@ -1,16 +1,17 @@
-"""Angles whose numbers the model follows far better when they are read as degrees."""
+"""Channels that the model follows far better when they are read as degrees, or turned."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 
 from dr_lab.bounds import Count, Positive, at_least, require_bounds
-from dr_lab.channel_names import POSITION, VELOCITY, joint_of, quantity
+from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
+from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log, MeasurementSet
@@ -22,7 +23,7 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True)
 class DegreeSettings:
-    """When angles seem to be in degrees.
+    """When angles seem to be in degrees, and channels to be turned.
 
     Attributes:
         windows: of each log that are looked at.
@@ -43,17 +44,17 @@ class DegreeSettings:
 
 @dataclass(frozen=True)
 class UnitSuspicion:
-    """Channels that seem to be in degrees.
+    """Channels that seem to be read wrongly.
 
     Attributes:
         channels: their names.
         chi2: held-out χ² as declared.
-        chi2_degrees: the same with these channels read as degrees.
+        chi2_read_anew: the same with these channels read as degrees, or turned.
     """
 
     channels: tuple[str, ...]
     chi2: float
-    chi2_degrees: float
+    chi2_read_anew: float
 
 
 def suspect_degrees(
@@ -62,7 +63,7 @@ def suspect_degrees(
     rules: DegreeSettings,
     settings: WindowSettings,
     solver: SolverSettings,
-    threads: int,
+    threads: int | None,
 ) -> UnitSuspicion | None:
     """Compare the model at its nominal context with the logs as declared and with wide angles read as degrees.
 
@@ -83,17 +84,59 @@ def suspect_degrees(
     wide = tuple(name for name in measured.noise if _is_wide(name, measured, logs))
     if not wide:
         return None
-    few = replace(settings, seconds=min(settings.seconds, rules.windows * settings.length * len(logs)))
-
-    def chi2(data: MeasurementSet) -> float:
-        windows = cut(data.held_out or data.fit, data, model.nominal(), few)
-        return score_of(*fit_states(model, model.space.nominal, windows, solver, threads)).chi2
-
+    chi2 = _chi2_of(model, settings, rules, solver, threads)
     given = chi2(measured)
     if given < rules.follows:
         return None
-    other = chi2(_as_degrees(measured, {*wide, *(f"{joint_of(name)}.{VELOCITY}" for name in wide)}))
+    factors = dict.fromkeys((*wide, *(f"{joint_of(name)}.{VELOCITY}" for name in wide)), _DEGREE)
+    other = chi2(_scaled(measured, factors))
     return UnitSuspicion(wide, given, other) if other * rules.better < given else None
+
+
+def suspect_turned(
+    model: Model,
+    measured: MeasurementSet,
+    rules: DegreeSettings,
+    settings: WindowSettings,
+    solver: SolverSettings,
+    threads: int | None,
+) -> UnitSuspicion | None:
+    """The scalar channel whose numbers the model follows far better with the other sign.
+
+    Inverse dynamics tells the signs of joints and commands, but only where all joints are measured, and of no sensor.
+
+    Args:
+        model: the model.
+        measured: the logs.
+        rules: when one seems to be.
+        settings: how they are cut.
+        solver: settings of the fit of start states.
+        threads: C threads.
+
+    Returns:
+        The suspicion of one channel, or None.
+    """
+    logs, untested = measured.held_out or measured.fit, bool(untold_joints(model.nominal(), (*measured.noise,)))
+    names = [n for n in measured.noise if (is_sensor(n) or untested) and logs[0].outputs[n].value.ndim == 1]
+    chi2 = _chi2_of(model, settings, rules, solver, threads)
+    if not names or (given := chi2(measured)) < rules.follows:
+        return None
+    other, name = min((chi2(_scaled(measured, {name: -1.0})), name) for name in names)
+    return UnitSuspicion((name,), given, other) if other * rules.better < given else None
+
+
+def _chi2_of(
+    model: Model, settings: WindowSettings, rules: DegreeSettings, solver: SolverSettings, threads: int | None
+) -> Callable[[MeasurementSet], float]:
+    """χ² per sample of few windows of logs, from fitted starts."""
+
+    def chi2(data: MeasurementSet) -> float:
+        logs = data.held_out or data.fit
+        few = replace(settings, seconds=min(settings.seconds, rules.windows * settings.length * len(logs)))
+        windows = cut(logs, data, model.nominal(), few)
+        return score_of(*fit_states(model, model.space.nominal, windows, solver, threads)).chi2
+
+    return chi2
 
 
 def _is_wide(name: str, measured: MeasurementSet, logs: Sequence[Log]) -> bool:
@@ -102,17 +145,17 @@ def _is_wide(name: str, measured: MeasurementSet, logs: Sequence[Log]) -> bool:
     return any(float(np.ptp(log.outputs[name].value)) > _TURN for log in logs)
 
 
-def _as_degrees(measured: MeasurementSet, channels: Collection[str]) -> MeasurementSet:
+def _scaled(measured: MeasurementSet, factors: Mapping[str, float]) -> MeasurementSet:
+    """The logs with some channels' numbers and noise times factors."""
+
     def scaled(log: Log) -> Log:
         outputs = {
-            name: replace(signal, value=signal.value * _DEGREE) if name in channels else signal
-            for name, signal in log.outputs.items()
+            name: replace(signal, value=signal.value * factors.get(name, 1.0)) for name, signal in log.outputs.items()
         }
         return replace(log, outputs=outputs)
 
     noise = {
-        name: replace(value, std=value.std * _DEGREE) if name in channels else value
-        for name, value in measured.noise.items()
+        name: replace(value, std=value.std * abs(factors.get(name, 1.0))) for name, value in measured.noise.items()
     }
     return replace(
         measured, fit=tuple(map(scaled, measured.fit)), held_out=tuple(map(scaled, measured.held_out)), noise=noise

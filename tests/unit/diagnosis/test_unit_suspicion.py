@@ -21,7 +21,7 @@ def test_smooth_degrees_without_steps_are_told_by_the_model() -> None:
     found = suspicion(*scales, *limits)
     assert found is not None
     assert found.channels == ("arm.position", "pole.position")
-    assert found.chi2 > 100 * found.chi2_degrees
+    assert found.chi2 > 100 * found.chi2_read_anew
 
 
 def test_radians_are_not_suspected_whatever_the_model_lacks() -> None:
