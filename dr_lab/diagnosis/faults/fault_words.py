@@ -37,6 +37,8 @@ _DEGREE = np.pi / 180
 _LENGTHS = (("mm", "m", 1e-3), ("m", "mm", 1e3), ("cm", "m", 1e-2), ("m", "cm", 1e2))
 _ANGLES = (("deg", "rad", _DEGREE), ("rad", "deg", 1 / _DEGREE))
 _OUTPUTS = {"m": _LENGTHS, "rad": _ANGLES}
+_RPM = np.pi / 30
+_RATES = (("rpm", "rad/s", _RPM), ("rad/s", "rpm", 1 / _RPM), ("rpm", "deg/s", 6.0), ("deg/s", "rpm", 1 / 6.0))
 
 _STRETCH = re.compile(r"(?P<log>.*)\[(?P<start>[^\[\]:]*):(?P<stop>[^\[\]:]*)\]")  # as in measurements.fit
 
@@ -68,6 +70,11 @@ def position_units(unit: str) -> Sequence[tuple[str, str, float]]:
     base, _, rest = unit.partition("/")
     per = f"/{rest}" if rest else ""
     return [(f"{true}{per}", f"{called}{per}", factor) for true, called, factor in _OUTPUTS.get(base, ())]
+
+
+def channel_units(unit: str) -> Sequence[tuple[str, str, float]]:
+    """The same of any channel, of a gyroscope or a tachometer, too."""
+    return [*position_units(unit), *(_RATES if unit == "rad/s" else ())]
 
 
 def misread_position(gain: float, near: float, channel: str, unit: str) -> str:

@@ -1,14 +1,15 @@
 """Channels that the model follows far better when they are read as degrees, or turned."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from dr_lab.bounds import Count, Positive, at_least, require_bounds
 from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity
 from dr_lab.diagnosis.evidence.score import score_of
+from dr_lab.diagnosis.faults.fault_words import channel_units
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows.start import untold_joints
@@ -49,12 +50,27 @@ class UnitSuspicion:
     Attributes:
         channels: their names.
         chi2: held-out χ² as declared.
-        chi2_read_anew: the same with these channels read as degrees, or turned.
+        chi2_read_anew: the same with these channels read otherwise.
+        told: how they are read then, as the end of a sentence.
+        remedy: what to write.
+        turned: whether that is the other sign.
     """
 
     channels: tuple[str, ...]
     chi2: float
     chi2_read_anew: float
+    told: str
+    remedy: str
+    turned: bool = False
+
+    @property
+    def message(self) -> str:
+        """The suspicion in sentences."""
+        names = ", ".join(self.channels)
+        return (
+            f"{names}, as declared, leave{'s' * (len(self.channels) == 1)} χ² {self.chi2:.3g}; {self.told} "
+            f"{self.chi2_read_anew:.3g}. {self.remedy}"
+        )
 
 
 def suspect_degrees(
@@ -90,10 +106,12 @@ def suspect_degrees(
         return None
     factors = dict.fromkeys((*wide, *(f"{joint_of(name)}.{VELOCITY}" for name in wide)), _DEGREE)
     other = chi2(_scaled(measured, factors))
-    return UnitSuspicion(wide, given, other) if other * rules.better < given else None
+    told = "read as degrees (the factor 57.3 = 180/π)"
+    remedy = "Write unit: deg if the numbers are degrees."
+    return UnitSuspicion(wide, given, other, told, remedy) if other * rules.better < given else None
 
 
-def suspect_turned(
+def suspect_misread(
     model: Model,
     measured: MeasurementSet,
     rules: DegreeSettings,
@@ -101,9 +119,10 @@ def suspect_turned(
     solver: SolverSettings,
     threads: int | None,
 ) -> UnitSuspicion | None:
-    """The scalar channel whose numbers the model follows far better with the other sign.
+    """The scalar channel whose numbers the model follows far better with the other sign, or in another unit.
 
-    Inverse dynamics tells the signs of joints and commands, but only where all joints are measured, and of no sensor.
+    Inverse dynamics tells signs and units of joints and commands, but only where all joints are measured, and of no
+    sensor.
 
     Args:
         model: the model.
@@ -121,8 +140,29 @@ def suspect_turned(
     chi2 = _chi2_of(model, settings, rules, solver, threads)
     if not names or (given := chi2(measured)) < rules.follows:
         return None
-    other, name = min((chi2(_scaled(measured, {name: -1.0})), name) for name in names)
-    return UnitSuspicion((name,), given, other) if other * rules.better < given else None
+    every = [reading for name in names for reading in _readings(name, measured.noise[name].unit)]
+    others = [chi2(_scaled(measured, {reading.channel: reading.factor})) for reading in every]
+    other, best = min(zip(others, every, strict=True), key=lambda pair: pair[0])
+    if other * rules.better >= given:
+        return None
+    return UnitSuspicion((best.channel,), given, other, best.told, best.remedy, turned=best.factor < 0)
+
+
+class _Reading(NamedTuple):
+    """Another reading of a channel: its numbers times a factor, in words, and what to write."""
+
+    channel: str
+    factor: float
+    told: str
+    remedy: str
+
+
+def _readings(name: str, unit: str) -> Iterator[_Reading]:
+    place = f"measurements.outputs.{name}"
+    yield _Reading(name, -1.0, "with the other sign", f"Turn its sign in {place}, or its axis in the model.")
+    for true, called, factor in channel_units(unit):
+        told = f"if it is in {true} and called {called}"
+        yield _Reading(name, factor, told, f"Write unit: {true} in {place}, or correct its scale.")
 
 
 def _chi2_of(

@@ -1,4 +1,4 @@
-"""Sensors that are mounted upside down on machines of which not every joint is measured."""
+"""Sensors that are mounted upside down, or whose unit nobody says, on machines of which not every joint is measured."""
 
 from pathlib import Path
 
@@ -32,7 +32,18 @@ def test_a_gyroscope_that_counts_the_other_way_is_turned(
     assert ("sensor.gyro.x is read with the other sign" in capsys.readouterr().out) == (sign < 0)
 
 
-def _log(seed: int, sign: int) -> str:
+def test_degrees_that_a_gyroscope_does_not_say_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("it.xml").write_text(WHEEL)
+    assert main(["init", "it.xml", *(_log(seed, 1, "gyro_x") for seed in range(3))]) == 0
+    told = capsys.readouterr().out
+    assert "if it is in deg/s and called rad/s" in told
+    assert "Write unit: deg/s in measurements.outputs.sensor.gyro.x, or correct its scale." in told
+
+
+def _log(seed: int, sign: int, name: str = "gyro_x_dps") -> str:
     """A run of a machine whose rod is a tenth heavier, at 500 Hz."""
     rng, rows = np.random.default_rng(seed), []
     model = mujoco.MjModel.from_xml_string(WHEEL.replace('mass="0.12"', 'mass="0.132"'))
@@ -44,5 +55,5 @@ def _log(seed: int, sign: int) -> str:
         mujoco.mj_step(model, data)
     time, current, gyro, wheel = np.array(rows).T
     noise = rng.normal(scale=(0.1, 1.0), size=(len(time), 2))
-    columns = {"gyro_x_dps": sign * np.degrees(gyro) + noise[:, 0], "spin_rpm": wheel * 30 / np.pi + noise[:, 1]}
+    columns = {name: sign * np.degrees(gyro) + noise[:, 0], "spin_rpm": wheel * 30 / np.pi + noise[:, 1]}
     return str(write_csv(Path(f"{seed}.csv"), {"t": time, "current_A": current, **columns}))
