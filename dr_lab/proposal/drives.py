@@ -224,10 +224,7 @@ def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -
 
 
 def factors(base: str, said: str) -> dict[str, float]:
-    """Sizes of the units that numbers may have: the usual ones, and one that is said if it is of that quantity.
-
-    A control without a unit may be in any that is said.
-    """
+    """Sizes of the units that numbers may have; one that is said is one if it is of that quantity, or there is none."""
     known = UNITS.get(base, {base: 1.0})
     told = said and (base == "1" or unit_of(said).name == base)
     return {**known, said: unit_of(said).factor} if told else known
@@ -236,10 +233,7 @@ def factors(base: str, said: str) -> dict[str, float]:
 def _unit(
     gain: float, base: str, said: str, settings: ProposalSettings, *, stated: bool
 ) -> tuple[str, float, list[str]]:
-    """Unit and scale of a command by its gain, and what is unsure about them.
-
-    Where the model states the base unit, numbers whose name says none are in it; a force that was added states nothing.
-    """
+    """Unit and scale of a command by its gain, and what is unsure; numbers without a unit are in one that is `stated`."""
     size, known = abs(gain), factors(base, said)
     if said in known:
         left = size / known[said]
