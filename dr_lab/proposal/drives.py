@@ -233,7 +233,7 @@ def factors(base: str, said: str) -> dict[str, float]:
 def _unit(
     gain: float, base: str, said: str, settings: ProposalSettings, *, stated: bool
 ) -> tuple[str, float, list[str]]:
-    """Unit and scale of a command by its gain, and what is unsure; numbers without a unit are in one that is `stated`."""
+    """Unit and scale of a command by its gain, and what is unsure; without a unit they are in one `stated`."""
     size, known = abs(gain), factors(base, said)
     if said in known:
         left = size / known[said]
