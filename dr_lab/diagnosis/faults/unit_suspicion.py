@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.bounds import Count, Positive, at_least, require_bounds
 from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity
-from dr_lab.diagnosis.evidence.score import score_of
+from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.faults.fault_words import channel_units
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
@@ -30,6 +30,7 @@ class DegreeSettings:
         windows: of each log that are looked at.
         follows: a model that leaves less χ² per sample has the unit of the data, whatever else it lacks.
         better: factor by which the other reading must lower χ².
+        most: channels that are read otherwise, one at a time, those that the model follows worst.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -38,6 +39,7 @@ class DegreeSettings:
     windows: Count
     follows: Positive
     better: Annotated[float, at_least(1.0)]
+    most: Count
 
     def __post_init__(self) -> None:
         require_bounds(self, "faults.degrees")
@@ -100,12 +102,12 @@ def suspect_degrees(
     wide = tuple(name for name in measured.noise if _is_wide(name, measured, logs))
     if not wide:
         return None
-    chi2 = _chi2_of(model, settings, rules, solver, threads)
-    given = chi2(measured)
+    score = _score_of(model, settings, rules, solver, threads)
+    given = score(measured).chi2
     if given < rules.follows:
         return None
     factors = dict.fromkeys((*wide, *(f"{joint_of(name)}.{VELOCITY}" for name in wide)), _DEGREE)
-    other = chi2(_scaled(measured, factors))
+    other = score(_scaled(measured, factors)).chi2
     told = "read as degrees (the factor 57.3 = 180/π)"
     remedy = "Write unit: deg if the numbers are degrees."
     return UnitSuspicion(wide, given, other, told, remedy) if other * rules.better < given else None
@@ -122,7 +124,7 @@ def suspect_misread(
     """The scalar channel whose numbers the model follows far better with the other sign, or in another unit.
 
     Inverse dynamics tells signs and units of joints and commands, but only where all joints are measured, and of no
-    sensor.
+    sensor. One that is misread is among those that the model follows worst.
 
     Args:
         model: the model.
@@ -137,15 +139,16 @@ def suspect_misread(
     """
     logs, untested = measured.held_out or measured.fit, bool(untold_joints(model.nominal(), (*measured.noise,)))
     names = [n for n in measured.noise if (is_sensor(n) or untested) and logs[0].outputs[n].value.ndim == 1]
-    chi2 = _chi2_of(model, settings, rules, solver, threads)
-    if not names or (given := chi2(measured)) < rules.follows:
+    score = _score_of(model, settings, rules, solver, threads)
+    if not names or (given := score(measured)).chi2 < rules.follows:
         return None
-    every = [reading for name in names for reading in _readings(name, measured.noise[name].unit)]
-    others = [chi2(_scaled(measured, {reading.channel: reading.factor})) for reading in every]
+    worst = sorted(names, key=lambda name: -_misfit(given, name))[: rules.most]
+    every = [reading for name in worst for reading in _readings(name, measured.noise[name].unit)]
+    others = [score(_scaled(measured, {reading.channel: reading.factor})).chi2 for reading in every]
     other, best = min(zip(others, every, strict=True), key=lambda pair: pair[0])
-    if other * rules.better >= given:
+    if other * rules.better >= given.chi2:
         return None
-    return UnitSuspicion((best.channel,), given, other, best.told, best.remedy, turned=best.factor < 0)
+    return UnitSuspicion((best.channel,), given.chi2, other, best.told, best.remedy, turned=best.factor < 0)
 
 
 class _Reading(NamedTuple):
@@ -165,18 +168,24 @@ def _readings(name: str, unit: str) -> Iterator[_Reading]:
         yield _Reading(name, factor, told, f"Write unit: {true} in {place}, or correct its scale.")
 
 
-def _chi2_of(
-    model: Model, settings: WindowSettings, rules: DegreeSettings, solver: SolverSettings, threads: int | None
-) -> Callable[[MeasurementSet], float]:
-    """χ² per sample of few windows of logs, from fitted starts."""
+def _misfit(score: Score, name: str) -> float:
+    """χ² of a channel alone; infinite where no window tells it."""
+    channel = score.channels.get(name)
+    return np.inf if channel is None else channel.chi2
 
-    def chi2(data: MeasurementSet) -> float:
+
+def _score_of(
+    model: Model, settings: WindowSettings, rules: DegreeSettings, solver: SolverSettings, threads: int | None
+) -> Callable[[MeasurementSet], Score]:
+    """Score of few windows of logs, from fitted starts."""
+
+    def score(data: MeasurementSet) -> Score:
         logs = data.held_out or data.fit
         few = replace(settings, seconds=min(settings.seconds, rules.windows * settings.length * len(logs)))
         windows = cut(logs, data, model.nominal(), few)
-        return score_of(*fit_states(model, model.space.nominal, windows, solver, threads)).chi2
+        return score_of(*fit_states(model, model.space.nominal, windows, solver, threads))
 
-    return chi2
+    return score
 
 
 def _is_wide(name: str, measured: MeasurementSet, logs: Sequence[Log]) -> bool:
