@@ -96,12 +96,7 @@ def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -
 
 
 def require_one_run(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -> None:
-    """Refuse a configuration that asks for many runs where one is to be made.
-
-    Args:
-        folders: configuration folders, first searched first; the last one ships with dr_lab.
-        verb: root configuration.
-        overrides: as on the command line.
+    """Refuse a configuration that asks for many runs where one is to be made; arguments as of `compose_from`.
 
     Raises:
         ConfigError: it tries several values; the message has the command that does.

@@ -13,7 +13,7 @@ from dr_lab.diagnosis.checks.numerical_floor import numerical_floor
 from dr_lab.diagnosis.checks.open_chains import Mending, open_chain
 from dr_lab.diagnosis.checks.refinement import refine
 from dr_lab.diagnosis.faults.data_faults import Fault
-from dr_lab.diagnosis.faults.unit_suspicion import suspect_misread
+from dr_lab.diagnosis.faults.unit_suspicion import FewWindows, suspect_misread
 from dr_lab.errors import DrLabError
 from dr_lab.measurements.read import read
 from dr_lab.measurements.units import unit
@@ -84,9 +84,8 @@ def closed(proposal: Proposal, measured: MeasurementSet, check: ModelCheckSettin
 
 def turned(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:
     """The proposal with the other sign of a channel that counts the other way, or a doubt about the unit of one."""
-    found = suspect_misread(
-        proposal.model, measured, checks.faults.degrees, checks.windows, checks.solver, checks.threads
-    )
+    few = FewWindows(proposal.model, checks.faults.degrees, checks.windows, checks.solver, checks.threads)
+    found = suspect_misread(few, measured)
     if found is None:
         return proposal
     if not found.turned:

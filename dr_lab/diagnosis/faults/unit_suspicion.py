@@ -1,6 +1,6 @@
 """Channels that the model follows far better when they are read as degrees, or turned."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, NamedTuple
 
@@ -75,80 +75,69 @@ class UnitSuspicion:
         )
 
 
-def suspect_degrees(
-    model: Model,
-    measured: MeasurementSet,
-    rules: DegreeSettings,
-    settings: WindowSettings,
-    solver: SolverSettings,
-    threads: int | None,
-) -> UnitSuspicion | None:
-    """Compare the model at its nominal context with the logs as declared and with wide angles read as degrees.
+@dataclass(frozen=True)
+class FewWindows:
+    """How well a model at its nominal context follows few windows of logs, from fitted starts.
 
-    Noise is scaled with its channel, so both χ² weigh the same relative errors.
-
-    Args:
+    Attributes:
         model: the model.
-        measured: the logs; the held-out ones are looked at, or the fit logs where none is held out.
-        rules: when they seem to be.
-        settings: how they are cut.
+        rules: how many windows, and when a channel seems to be misread.
+        settings: how logs are cut.
         solver: settings of the fit of start states.
         threads: C threads.
-
-    Returns:
-        The suspicion, or None.
     """
-    logs = measured.held_out or measured.fit
-    wide = tuple(name for name in measured.noise if _is_wide(name, measured, logs))
-    if not wide:
-        return None
-    score = _score_of(model, settings, rules, solver, threads)
-    given = score(measured).chi2
-    if given < rules.follows:
+
+    model: Model
+    rules: DegreeSettings
+    settings: WindowSettings
+    solver: SolverSettings
+    threads: int | None
+
+    def score(self, measured: MeasurementSet) -> Score:
+        """Score of the held-out logs, or of the fit logs where none is held out."""
+        logs = _looked_at(measured)
+        most = self.rules.windows * self.settings.length * len(logs)
+        few = replace(self.settings, seconds=min(self.settings.seconds, most))
+        windows = cut(logs, measured, self.model.nominal(), few)
+        return score_of(*fit_states(self.model, self.model.space.nominal, windows, self.solver, self.threads))
+
+
+def suspect_degrees(few: FewWindows, measured: MeasurementSet) -> UnitSuspicion | None:
+    """Compare the model with the logs as declared and with wide angles read as degrees.
+
+    Noise is scaled with its channel, so both χ² weigh the same relative errors.
+    """
+    wide = tuple(name for name in measured.noise if _is_wide(name, measured, _looked_at(measured)))
+    if not wide or (given := few.score(measured).chi2) < few.rules.follows:
         return None
     factors = dict.fromkeys((*wide, *(f"{joint_of(name)}.{VELOCITY}" for name in wide)), _DEGREE)
-    other = score(_scaled(measured, factors)).chi2
+    other = few.score(_scaled(measured, factors)).chi2
     told = "read as degrees (the factor 57.3 = 180/π)"
     remedy = "Write unit: deg if the numbers are degrees."
-    return UnitSuspicion(wide, given, other, told, remedy) if other * rules.better < given else None
+    return UnitSuspicion(wide, given, other, told, remedy) if other * few.rules.better < given else None
 
 
-def suspect_misread(
-    model: Model,
-    measured: MeasurementSet,
-    rules: DegreeSettings,
-    settings: WindowSettings,
-    solver: SolverSettings,
-    threads: int | None,
-) -> UnitSuspicion | None:
+def suspect_misread(few: FewWindows, measured: MeasurementSet) -> UnitSuspicion | None:
     """The scalar channel whose numbers the model follows far better with the other sign, or in another unit.
 
     Inverse dynamics tells signs and units of joints and commands, but only where all joints are measured, and of no
     sensor. One that is misread is among those that the model follows worst.
-
-    Args:
-        model: the model.
-        measured: the logs.
-        rules: when one seems to be.
-        settings: how they are cut.
-        solver: settings of the fit of start states.
-        threads: C threads.
-
-    Returns:
-        The suspicion of one channel, or None.
     """
-    logs, untested = measured.held_out or measured.fit, bool(untold_joints(model.nominal(), (*measured.noise,)))
-    names = [n for n in measured.noise if (is_sensor(n) or untested) and logs[0].outputs[n].value.ndim == 1]
-    score = _score_of(model, settings, rules, solver, threads)
-    if not names or (given := score(measured)).chi2 < rules.follows:
+    outputs, untested = _looked_at(measured)[0].outputs, untold_joints(few.model.nominal(), (*measured.noise,))
+    names = [name for name in measured.noise if (is_sensor(name) or untested) and outputs[name].value.ndim == 1]
+    if not names or (given := few.score(measured)).chi2 < few.rules.follows:
         return None
-    worst = sorted(names, key=lambda name: -_misfit(given, name))[: rules.most]
+    worst = sorted(names, key=lambda name: -_misfit(given, name))[: few.rules.most]
     every = [reading for name in worst for reading in _readings(name, measured.noise[name].unit)]
-    others = [score(_scaled(measured, {reading.channel: reading.factor})).chi2 for reading in every]
+    others = [few.score(_scaled(measured, {reading.channel: reading.factor})).chi2 for reading in every]
     other, best = min(zip(others, every, strict=True), key=lambda pair: pair[0])
-    if other * rules.better >= given.chi2:
+    if other * few.rules.better >= given.chi2:
         return None
     return UnitSuspicion((best.channel,), given.chi2, other, best.told, best.remedy, turned=best.factor < 0)
+
+
+def _looked_at(measured: MeasurementSet) -> Sequence[Log]:
+    return measured.held_out or measured.fit
 
 
 class _Reading(NamedTuple):
@@ -172,20 +161,6 @@ def _misfit(score: Score, name: str) -> float:
     """χ² of a channel alone; infinite where no window tells it."""
     channel = score.channels.get(name)
     return np.inf if channel is None else channel.chi2
-
-
-def _score_of(
-    model: Model, settings: WindowSettings, rules: DegreeSettings, solver: SolverSettings, threads: int | None
-) -> Callable[[MeasurementSet], Score]:
-    """Score of few windows of logs, from fitted starts."""
-
-    def score(data: MeasurementSet) -> Score:
-        logs = data.held_out or data.fit
-        few = replace(settings, seconds=min(settings.seconds, rules.windows * settings.length * len(logs)))
-        windows = cut(logs, data, model.nominal(), few)
-        return score_of(*fit_states(model, model.space.nominal, windows, solver, threads))
-
-    return score
 
 
 def _is_wide(name: str, measured: MeasurementSet, logs: Sequence[Log]) -> bool:

@@ -1,8 +1,26 @@
+from dataclasses import dataclass, field
+from typing import cast
+
+import mujoco
+import numpy as np
+import pytest
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.faults.unit_suspicion import UnitSuspicion, suspect_degrees
+from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.faults.unit_suspicion import (
+    DegreeSettings,
+    FewWindows,
+    UnitSuspicion,
+    suspect_degrees,
+    suspect_misread,
+)
+from dr_lab.physics.model import Model, from_spec
+from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
 
+SENSORS = """<mujoco><worldbody><body><joint name="j"/><geom size="0.1" mass="1"/></body></worldbody><sensor>
+  <jointactuatorfrc name="a" joint="j"/><jointactuatorfrc name="b" joint="j"/><jointactuatorfrc name="c" joint="j"/>
+</sensor></mujoco>"""
 LOGS = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:3]']"]
 
 
@@ -12,7 +30,8 @@ def suspicion(*overrides: str) -> UnitSuspicion | None:
         key: instantiate(cfg[key], _convert_="all") for key in ("model", "measurements", "faults", "windows", "solver")
     }
     rules = built["faults"].degrees
-    return suspect_degrees(built["model"], built["measurements"], rules, built["windows"], built["solver"], threads=1)
+    few = FewWindows(built["model"], rules, built["windows"], built["solver"], threads=1)
+    return suspect_degrees(few, built["measurements"])
 
 
 def test_smooth_degrees_without_steps_are_told_by_the_model() -> None:
@@ -27,3 +46,31 @@ def test_smooth_degrees_without_steps_are_told_by_the_model() -> None:
 def test_radians_are_not_suspected_whatever_the_model_lacks() -> None:
     assert suspicion() is None
     assert suspicion("measurements.outputs.arm.position.sign=-1") is None
+
+
+@dataclass
+class Followed:
+    """Logs of which a model follows a sensor once it is turned; each is asked for its score once a reading."""
+
+    rules: DegreeSettings
+    asked: int = 0
+    model: Model = field(default_factory=lambda: from_spec("it", mujoco.MjSpec.from_string(SENSORS), {}))
+
+    def score(self, measured: MeasurementSet) -> Score:
+        self.asked += 1
+        right = measured.held_out[0].outputs["sensor.c"].value[0] < 0
+        squares = {"sensor.a": 20.0, "sensor.b": 10.0, "sensor.c": 1.0 if right else 1e5}
+        one = np.ones(1)
+        channels = {name: ChannelScore(each * one, one, 1.0, instrumental=False) for name, each in squares.items()}
+        return Score(sum(squares.values()), {}, {}, {}, one, one, np.zeros(1, np.intp), 0, channels)
+
+
+@pytest.mark.parametrize("most", [1, 3])
+def test_of_many_sensors_those_are_read_otherwise_that_are_followed_worst(most: int) -> None:
+    signals = {n: Signal(n, "1", np.arange(3.0), np.ones(3)) for n in ("sensor.a", "sensor.b", "sensor.c")}
+    noise = {name: Noise(1.0, "1", "given") for name in signals}
+    few = Followed(DegreeSettings(windows=3, follows=100.0, better=30.0, most=most))
+    found = suspect_misread(cast(FewWindows, few), MeasurementSet("it", (), (Log("a", signals, {}),), noise, {}))
+    assert found is not None
+    assert (found.channels, found.turned) == (("sensor.c",), True)
+    assert few.asked == 1 + most
