@@ -8,6 +8,6 @@ from dr_lab.reports.gap_entries import NoteEntry
 def misread_notes(study: Study) -> list[NoteEntry]:
     """A note on angles that seem to be degrees, else on a channel of another sign or unit; empty where none is."""
     settings, bench = study.settings, study.bench
-    few = FewWindows(study.model, settings.faults.degrees, settings.windows, bench.solver, bench.threads)
+    few = FewWindows(study.model, settings.faults.reading, settings.windows, bench.solver, bench.threads)
     found = suspect_degrees(few, study.measurements) or suspect_misread(few, study.measurements)
     return [] if found is None else [NoteEntry(found.message, "turned" if found.turned else "unit")]

@@ -84,7 +84,7 @@ def closed(proposal: Proposal, measured: MeasurementSet, check: ModelCheckSettin
 
 def turned(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:
     """The proposal with the other sign of a channel that counts the other way, or a doubt about the unit of one."""
-    few = FewWindows(proposal.model, checks.faults.degrees, checks.windows, checks.solver, checks.threads)
+    few = FewWindows(proposal.model, checks.faults.reading, checks.windows, checks.solver, checks.threads)
     found = suspect_misread(few, measured)
     if found is None:
         return proposal

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from dr_lab.bounds import Count, NotNegative, Positive, Share, at_least, require_bounds
 from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings
-from dr_lab.diagnosis.faults.unit_suspicion import DegreeSettings
+from dr_lab.diagnosis.faults.unit_suspicion import ReadingSettings
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class FaultSettings:
         fewest: test functions that a regression is worth.
         known: share of a log's test functions that must know the commands of another time.
         misread_seconds: s of the logs, at most, on which other units and orders of their channels are tried.
-        degrees: when angles seem to be in degrees.
+        reading: when channels seem to be read in another unit or sign than they have.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -69,7 +69,7 @@ class FaultSettings:
     fewest: Count
     known: Share
     misread_seconds: Positive
-    degrees: DegreeSettings
+    reading: ReadingSettings
 
     def __post_init__(self) -> None:
         require_bounds(self, "faults")

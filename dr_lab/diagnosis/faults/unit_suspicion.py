@@ -1,4 +1,4 @@
-"""Channels that the model follows far better when they are read as degrees, or turned."""
+"""Channels that the model follows far better when they are read in another unit, or turned."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,8 +23,8 @@ _TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
-class DegreeSettings:
-    """When angles seem to be in degrees, and channels to be turned.
+class ReadingSettings:
+    """When channels seem to be read in another unit or sign than they have.
 
     Attributes:
         windows: of each log that are looked at.
@@ -42,11 +42,11 @@ class DegreeSettings:
     most: Count
 
     def __post_init__(self) -> None:
-        require_bounds(self, "faults.degrees")
+        require_bounds(self, "faults.reading")
 
 
 @dataclass(frozen=True)
-class UnitSuspicion:
+class Misreading:
     """Channels that seem to be read wrongly.
 
     Attributes:
@@ -88,7 +88,7 @@ class FewWindows:
     """
 
     model: Model
-    rules: DegreeSettings
+    rules: ReadingSettings
     settings: WindowSettings
     solver: SolverSettings
     threads: int | None
@@ -102,7 +102,7 @@ class FewWindows:
         return score_of(*fit_states(self.model, self.model.space.nominal, windows, self.solver, self.threads))
 
 
-def suspect_degrees(few: FewWindows, measured: MeasurementSet) -> UnitSuspicion | None:
+def suspect_degrees(few: FewWindows, measured: MeasurementSet) -> Misreading | None:
     """Compare the model with the logs as declared and with wide angles read as degrees.
 
     Noise is scaled with its channel, so both χ² weigh the same relative errors.
@@ -114,10 +114,10 @@ def suspect_degrees(few: FewWindows, measured: MeasurementSet) -> UnitSuspicion 
     other = few.score(_scaled(measured, factors)).chi2
     told = "read as degrees (the factor 57.3 = 180/π)"
     remedy = "Write unit: deg if the numbers are degrees."
-    return UnitSuspicion(wide, given, other, told, remedy) if other * few.rules.better < given else None
+    return Misreading(wide, given, other, told, remedy) if other * few.rules.better < given else None
 
 
-def suspect_misread(few: FewWindows, measured: MeasurementSet) -> UnitSuspicion | None:
+def suspect_misread(few: FewWindows, measured: MeasurementSet) -> Misreading | None:
     """The scalar channel whose numbers the model follows far better with the other sign, or in another unit.
 
     Inverse dynamics tells signs and units of joints and commands, but only where all joints are measured, and of no
@@ -133,7 +133,7 @@ def suspect_misread(few: FewWindows, measured: MeasurementSet) -> UnitSuspicion 
     other, best = min(zip(others, every, strict=True), key=lambda pair: pair[0])
     if other * few.rules.better >= given.chi2:
         return None
-    return UnitSuspicion((best.channel,), given.chi2, other, best.told, best.remedy, turned=best.factor < 0)
+    return Misreading((best.channel,), given.chi2, other, best.told, best.remedy, turned=best.factor < 0)
 
 
 def _looked_at(measured: MeasurementSet) -> Sequence[Log]:

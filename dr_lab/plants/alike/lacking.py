@@ -1,5 +1,7 @@
 """The force that a model lacks to move along the true course."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from dr_lab.plants.alike.course import Course, rigid
@@ -36,22 +38,32 @@ def lacking_with(course: Course, effect: HiddenEffect) -> Array:
     joints = len(course.machine.joints)
     if body.inside:
         return np.zeros((len(course.step), joints))
-    columns = _columns(course, body)
-    machine = rigid(body.machine)
-    command = course.mean_command(effect)
-    for place, (_, memory) in enumerate(body.memories):
-        if isinstance(memory, SlowCommand):
-            command[:, body.memories[place][0]] = course.kept[:, columns[place]]
-    rows = lacking(course, machine, command)
+    rows = lacking(course, rigid(body.machine), acting(course, body, effect))
     for joint, law in body.laws:
         rows[:, joint] -= _averaged(course, joint, law)
-    for place, (joint, memory) in enumerate(body.memories):
-        if isinstance(memory, Bristle):
-            rows[:, joint] -= _bristled(course, joint, memory, columns[place])
+    for joint, force in bristled(course, body, course.velocity):
+        rows[:, joint] -= force
     for joint, friction in body.frictions:
         rows[:, joint] += _rubbed(course, joint, friction)
         rows[course.held[:, joint], joint] = 0.0
     return rows
+
+
+def acting(course: Course, body: Body, effect: HiddenEffect) -> Array:
+    """Commands that act in the middle of each interval on a body that an effect makes, shape (K, actuators)."""
+    command = course.mean_command(effect)
+    for column, (actuator, memory) in zip(_columns(course, body), body.memories, strict=True):
+        if isinstance(memory, SlowCommand):
+            command[:, actuator] = course.kept[:, column]
+    return command
+
+
+def bristled(course: Course, body: Body, velocity: Array) -> Iterator[tuple[int, Array]]:
+    """Joint and force, shape (K,), of a body's bristles, bent as along the course, at some velocities, shape (K, n)."""
+    for column, (joint, memory) in zip(_columns(course, body), body.memories, strict=True):
+        if isinstance(memory, Bristle):
+            states = zip(course.kept[:, column].tolist(), velocity[:, joint].tolist(), strict=True)
+            yield joint, np.array([memory.force(z, memory.rate(z, v), v) for z, v in states])
 
 
 def borne(course: Course) -> Array:
@@ -75,12 +87,6 @@ def _columns(course: Course, body: Body) -> list[int]:
     """Of each memory of a body its column among those of the course, whose body holds it too."""
     own: list[tuple[int, Memory]] = list(course.true_body.memories)
     return [own.index(memory) for memory in body.memories]
-
-
-def _bristled(course: Course, joint: int, memory: Bristle, column: int) -> Array:
-    """Force of bristles, shape (K,)."""
-    states = zip(course.kept[:, column].tolist(), course.velocity[:, joint].tolist(), strict=True)
-    return np.array([memory.force(z, memory.rate(z, v), v) for z, v in states])
 
 
 def _rubbed(course: Course, joint: int, friction: DryFriction) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.plants.alike.course import Course, rigid
 from dr_lab.plants.alike.inner_products import InnerProducts
-from dr_lab.plants.memory import Bristle, SlowCommand
+from dr_lab.plants.alike.lacking import acting, bristled
 from dr_lab.trajectory import Array
 
 _TINY = 1e-5  # rad, rad/s: step of the derivatives, whose error is its square
@@ -123,7 +123,7 @@ def _slopes(course: Course) -> tuple[Array, Array]:
 
     With r = M q'' − f, which is 0 along the motion, ∂q''/∂x = −M⁻¹ ∂r/∂x at the q'' that is there.
     """
-    command = _acting(course)
+    command = acting(course, course.true_body, course.effect)
     joints = course.position.shape[1]
     there, none = np.concatenate([course.position, course.velocity], axis=1), np.zeros_like(course.position)
     force = -_asked(course, command, there, none)
@@ -136,15 +136,6 @@ def _slopes(course: Course) -> tuple[Array, Array]:
     )
     slopes = np.stack([(ahead - behind) / (2 * _TINY) for ahead, behind in sides], axis=2)
     return -inverse @ slopes, inverse
-
-
-def _acting(course: Course) -> Array:
-    """Commands that act in the middle of each interval, shape (K, actuators)."""
-    command = course.mean_command(course.effect)
-    for column, (actuator, memory) in enumerate(course.true_body.memories):
-        if isinstance(memory, SlowCommand):
-            command[:, actuator] = course.kept[:, column]
-    return command
 
 
 def _asked(course: Course, command: Array, states: Array, acceleration: Array) -> Array:
@@ -160,8 +151,6 @@ def _asked(course: Course, command: Array, states: Array, acceleration: Array) -
     for joint, law in body.laws:
         each = zip(course.middle.tolist(), position[:, joint].tolist(), velocity[:, joint].tolist(), strict=True)
         rows[:, joint] -= [law(*x) for x in each]
-    for column, (joint, memory) in enumerate(body.memories):
-        if isinstance(memory, Bristle):
-            each = zip(course.kept[:, column].tolist(), velocity[:, joint].tolist(), strict=True)
-            rows[:, joint] -= [memory.force(z, memory.rate(z, v), v) for z, v in each]
+    for joint, force in bristled(course, body, velocity):
+        rows[:, joint] -= force
     return rows

@@ -9,9 +9,9 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.faults.unit_suspicion import (
-    DegreeSettings,
     FewWindows,
-    UnitSuspicion,
+    Misreading,
+    ReadingSettings,
     suspect_degrees,
     suspect_misread,
 )
@@ -24,12 +24,12 @@ SENSORS = """<mujoco><worldbody><body><joint name="j"/><geom size="0.1" mass="1"
 LOGS = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:3]']"]
 
 
-def suspicion(*overrides: str) -> UnitSuspicion | None:
+def suspicion(*overrides: str) -> Misreading | None:
     cfg = compose("compare", [*LOGS, *overrides])
     built = {
         key: instantiate(cfg[key], _convert_="all") for key in ("model", "measurements", "faults", "windows", "solver")
     }
-    rules = built["faults"].degrees
+    rules = built["faults"].reading
     few = FewWindows(built["model"], rules, built["windows"], built["solver"], threads=1)
     return suspect_degrees(few, built["measurements"])
 
@@ -52,7 +52,7 @@ def test_radians_are_not_suspected_whatever_the_model_lacks() -> None:
 class Followed:
     """Logs of which a model follows a sensor once it is turned; each is asked for its score once a reading."""
 
-    rules: DegreeSettings
+    rules: ReadingSettings
     asked: int = 0
     model: Model = field(default_factory=lambda: from_spec("it", mujoco.MjSpec.from_string(SENSORS), {}))
 
@@ -69,7 +69,7 @@ class Followed:
 def test_of_many_sensors_those_are_read_otherwise_that_are_followed_worst(most: int) -> None:
     signals = {n: Signal(n, "1", np.arange(3.0), np.ones(3)) for n in ("sensor.a", "sensor.b", "sensor.c")}
     noise = {name: Noise(1.0, "1", "given") for name in signals}
-    few = Followed(DegreeSettings(windows=3, follows=100.0, better=30.0, most=most))
+    few = Followed(ReadingSettings(windows=3, follows=100.0, better=30.0, most=most))
     found = suspect_misread(cast(FewWindows, few), MeasurementSet("it", (), (Log("a", signals, {}),), noise, {}))
     assert found is not None
     assert (found.channels, found.turned) == (("sensor.c",), True)
