@@ -12,6 +12,8 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
+from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.drive_fit import forces_of
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.replay import Replay
@@ -84,6 +86,11 @@ def model_check_settings(**changes: float) -> ModelCheckSettings:
 def fault_settings() -> FaultSettings:
     """The default rules for faulty logs."""
     return instantiate(_settings().faults, _convert_="all")
+
+
+def suspected(model: Model, measured: MeasurementSet, settings: FaultSettings) -> tuple[Fault, ...]:
+    """Faults of logs that a model shows."""
+    return suspect_faults(forces_of(model, measured, settings), measured)
 
 
 def experiment_settings(**changes: Any) -> ExperimentSettings:  # noqa: ANN401 (of whichever setting)

@@ -1,5 +1,6 @@
 """What is compared, and how: the one thing that every comparing verb is given."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
@@ -7,6 +8,7 @@ from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.missing_force.learning_settings import LearningSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.effects.effect import Effect
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import MeasurementSet
 
@@ -24,6 +26,7 @@ class ComparisonSettings:
         learning: how a force is learned that no effect explains.
         model_check: what is checked of the model before anything is blamed on the machine.
         faults: when a log is said to be faulty.
+        usual: what models lack most often, which is allowed for where it is asked what commands did between samples.
         threads: worker threads; None takes every core.
     """
 
@@ -35,6 +38,7 @@ class ComparisonSettings:
     learning: LearningSettings
     model_check: ModelCheckSettings
     faults: FaultSettings
+    usual: Mapping[str, Effect]
     threads: int | None
 
 

@@ -22,6 +22,8 @@ from dr_lab.diagnosis.checks.self_test import require_own_logs_explained
 from dr_lab.diagnosis.evidence.bench import Bench, fitted
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.drive_fit import forces_of
+from dr_lab.diagnosis.faults.straight_commands import follow_lines
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.scales import machine_scales, with_replay
 from dr_lab.diagnosis.fit.states import fit_states
@@ -115,8 +117,9 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
             f"Measurements {measured.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
     require_control_units(comparison.model.nominal(), (*measured.fit, *measured.held_out))
-    suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
-    read = with_lines(comparison, suspected)
+    forces = forces_of(comparison.model, measured, comparison.settings.faults)
+    suspected = suspect_faults(forces, measured)
+    read = with_lines(comparison, suspected, follow_lines(forces))
     compiled = comparison.model.nominal()
     resolve(compiled, tuple(measured.fit[0].outputs))  # a name that is wrong is no channel that is lacking
     tell([*known_faults(suspected, read.measurements), *silent_notes(compiled, measured)])

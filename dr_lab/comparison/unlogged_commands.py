@@ -1,88 +1,108 @@
 """Commands that changed more often than they were logged: whether they are read as lines between their samples."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import UNLOGGED
-from dr_lab.diagnosis.evidence.score import score_of
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.windows.unlogged import unknown
 from dr_lab.diagnosis.windows.windows import cut
+from dr_lab.effects.catalogue import candidates
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import Log, MeasurementSet, Note
 
 
-def with_lines(comparison: Comparison, faults: Sequence[Fault]) -> Comparison:
+def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequence[str]) -> Comparison:
     """The comparison whose commands go straight between samples where the motion asks for it, which notes say.
 
-    Asked are commands that a fault calls decimated, unless the measurements say what they do between their samples
-    (`Signal.between`). The model is calibrated with them held and with them straight; they are read as straight if that
-    leaves less of the logs that score. What they did beside the line is then unknown, and fitted in every window.
+    Asked are commands that a fault calls decimated, or of which the equation of motion suspects as much, unless the
+    measurements say what they do between their samples (`Signal.between`). The model is calibrated with them held and
+    with them straight, both times with what models lack most often (`ComparisonSettings.usual`): without it, half a
+    sample of delay may make up for a rotor's inertia or for friction. They are read as straight if held ones leave more
+    of the logs that score beyond doubt. In two ways:
+
+    1. What decimated commands did beside the line is unknown, and fitted in every window.
+    2. Other ones come often enough that the line itself will do.
 
     Args:
         comparison: model and logs.
         faults: of the logs.
+        straight: actuators whose commands the motion seems to follow as lines.
     """
     model, measured, settings = comparison.model, comparison.measurements, comparison.settings
-    suspected = {fault.signal for fault in faults if fault.kind == "decimated"}
+    decimated = {fault.signal for fault in faults if fault.kind == "decimated"}
     logs = (*measured.fit, *measured.held_out)
-    names = [n for n in sorted(suspected) if all(log.commands[n].between == "" for log in logs if n in log.commands)]
+    suspected = sorted(decimated.union(straight))
+    names = [n for n in suspected if all(log.commands[n].between == "" for log in logs if n in log.commands)]
     if not names:
         return comparison
-    held = _left(model, measured, settings)
-    straight = _left(model, _read(measured, names, "line"), settings)
-    if not straight < held:
+    fuller = _with_usual(model, measured, settings)
+    held, line = (_left(fuller, _read(measured, dict.fromkeys(names, way)), settings) for way in ("hold", "line"))
+    if not supported(paired_gain(held, line, settings.evidence), 0, settings.evidence):
         return comparison
-    told = {name: _told(name, measured, held, straight) for name in names}
-    found = _read(measured, names, "unknown")
+    told = {name: _told(name, measured, held, line, name in decimated) for name in names}
+    found = _read(measured, {name: "unknown" if name in decimated else "line" for name in names})
     fit, held_out = (tuple(_noted(log, told) for log in part) for part in (found.fit, found.held_out))
     return replace(comparison, measurements=replace(found, fit=fit, held_out=held_out))
 
 
 def longest_wait(measured: MeasurementSet, faults: Sequence[Fault]) -> float:
-    """Longest usual time in s between two samples of commands that were logged more slowly than they changed; or 0."""
+    """Longest usual time in s between two samples of commands that changed between them without being logged; or 0."""
     decimated = {(fault.log, fault.signal) for fault in faults if fault.kind == "decimated"}
     rare = [
         signal
         for log in (*measured.fit, *measured.held_out)
         for name, signal in log.commands.items()
-        if unknown(signal) or (log.name, name) in decimated
+        if unknown(signal) or (log.name, name) in decimated or _is_noted(log, name)
     ]
     return max((signal.wait for signal in rare), default=0.0)
 
 
-def _read(measured: MeasurementSet, names: Sequence[str], between: str) -> MeasurementSet:
+def _with_usual(model: Model, measured: MeasurementSet, settings: ComparisonSettings) -> Model:
+    """The model with what models lack most often, wherever it can be."""
+    compiled = model.nominal()
+    scales = machine_scales(compiled, measured.fit, settings.windows.smoother)
+    return reduce(Model.with_effect, candidates(model, settings.usual, scales, compiled).placed, model)
+
+
+def _read(measured: MeasurementSet, between: Mapping[str, str]) -> MeasurementSet:
     """The logs with what some commands do between their samples."""
 
     def changed(log: Log) -> Log:
-        said = {name: replace(s, between=between) for name, s in log.commands.items() if name in names}
+        said = {name: replace(s, between=between[name]) for name, s in log.commands.items() if name in between}
         return replace(log, commands={**log.commands, **said})
 
     return replace(measured, fit=tuple(map(changed, measured.fit)), held_out=tuple(map(changed, measured.held_out)))
 
 
-def _left(model: Model, measured: MeasurementSet, settings: ComparisonSettings) -> float:
-    """χ² that the calibrated model leaves of the logs that score."""
+def _left(model: Model, measured: MeasurementSet, settings: ComparisonSettings) -> Score:
+    """What the calibrated model leaves of the logs that score."""
     compiled, threads = model.nominal(), thread_count(settings.threads)
-    windows = cut(measured.fit, measured, compiled, settings.windows)
-    scored = cut(measured.held_out, measured, compiled, settings.windows) if measured.held_out else windows
+    lengths = settings.windows.of_machine(compiled.nv)
+    windows = cut(measured.fit, measured, compiled, lengths)
+    scored = cut(measured.held_out, measured, compiled, lengths) if measured.held_out else windows
     fit = Fitter(Replay(model, windows, threads), settings.solver).run(model.space.nominal)
-    return score_of(*fit_states(model, fit.z, scored, settings.solver, threads)).chi2
+    return score_of(*fit_states(model, fit.z, scored, settings.solver, threads))
 
 
-def _told(name: str, measured: MeasurementSet, held: float, straight: float) -> str:
+def _told(name: str, measured: MeasurementSet, held: Score, line: Score, decimated: bool) -> str:
     wait = max(log.commands[name].wait for log in (*measured.fit, *measured.held_out) if name in log.commands)
     scored = "held-out logs" if measured.held_out else "logs"
+    beside = ", and what that misses is estimated in every window" if decimated else ""
     return (
         f"{name}: what was sent between its samples, {1e3 * wait:.3g} ms apart where they are rarest, is not logged. "
-        "It is read as going straight from one to the next, which the calibrated model explains better than held "
-        f"commands (χ² {straight:.3g} instead of {held:.3g} on the {scored}), and what that misses is estimated in "
-        f"every window. A shift in time below {1e3 * wait:.3g} ms is not told from none. "
+        "It is read as going straight from one to the next, which the calibrated model with rotor inertia and dry "
+        f"friction explains better than held commands (χ² {line.chi2:.3g} instead of {held.chi2:.3g} on the "
+        f"{scored}){beside}. A shift in time below {1e3 * wait:.3g} ms is not told from none. "
         f"+measurements.commands.{name}.between=hold reads it as held."
     )
 
@@ -90,3 +110,8 @@ def _told(name: str, measured: MeasurementSet, held: float, straight: float) -> 
 def _noted(log: Log, told: dict[str, str]) -> Log:
     notes = [Note(UNLOGGED, name, message) for name, message in told.items() if name in log.commands]
     return replace(log, notes=(*log.notes, *notes))
+
+
+def _is_noted(log: Log, name: str) -> bool:
+    """Whether it was found that a command of a log changed between its samples."""
+    return any((note.kind, note.signal) == (UNLOGGED, name) for note in log.notes)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from dr_lab.comparison.comparison import ComparisonSettings
 from dr_lab.diagnosis.faults.data_faults import suspect_faults
+from dr_lab.diagnosis.faults.drive_fit import forces_of
 from dr_lab.errors import DrLabError
 from dr_lab.files import write_text
 from dr_lab.proposal.checked import closed, told, turned, usable_logs
@@ -70,7 +71,7 @@ def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSett
         refused = f"The other verbs refuse these logs as they are read here: {error}"
         return replace(found, doubts=(*found.doubts, refused)), split_logs(found, found.logs.short, settings.held_out)
     try:
-        faults = suspect_faults(found.model, measured, checks.faults)
+        faults = suspect_faults(forces_of(found.model, measured, checks.faults), measured)
         split = without_held(split, faults, found.logs.logs)
         return told(found, measured, checks, [fault for fault in faults if not fault.rest]), split
     except DrLabError as error:

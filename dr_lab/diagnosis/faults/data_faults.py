@@ -18,8 +18,7 @@ from dr_lab.diagnosis.faults.fault_words import (
 from dr_lab.diagnosis.faults.held_span import HeldSpan, held_spans
 from dr_lab.diagnosis.faults.idle_span import idle_span, outside
 from dr_lab.diagnosis.faults.misread import Misreading, misread
-from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untestable
-from dr_lab.physics.model import Model
+from dr_lab.diagnosis.faults.smoothed_motion import Mask
 from dr_lab.trajectory import Log, MeasurementSet
 
 
@@ -48,7 +47,7 @@ class Fault:
     rest: str = ""
 
 
-def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettings) -> tuple[Fault, ...]:
+def suspect_faults(forces: Forces | None, measured: MeasurementSet) -> tuple[Fault, ...]:
     """Test all logs by inverse dynamics of the nominal model: commands against the motion that they made, and rest.
 
     Of each actuator and log the drive is regressed on what the joint's motion needs, beside friction, a spring, an
@@ -56,23 +55,20 @@ def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettin
     sign, a factor, a shift in time, none at all) leaves far fewer squares than the given one with any plausible gain.
     A joint that rests at a log's beginning or end where it would move is told, too (`held_spans`). Where one channel in
     another unit, or two exchanged, would explain all logs far better (`misread`), nothing else is told: it would follow
-    from that. Machines in contact throughout or with joints that are not measured are not tested.
+    from that.
 
     Args:
-        model: the model as given.
+        forces: of all logs, by the model as given; None where nothing can be tested.
         measured: all logs.
-        settings: thresholds.
 
     Returns:
-        The faults, log by log; none where nothing can be tested.
+        The faults, log by log.
     """
-    compiled, logs = model.nominal(), (*measured.fit, *measured.held_out)
-    silent = compiled.nactuator and not any(log.commands for log in logs)  # what moves the machine is not known
-    if silent or untestable(compiled, measured):
+    if forces is None:
         return ()
-    forces = Forces.of(compiled, logs, smoothed_motion(compiled, measured, logs, settings.equation), settings)
-    if (other := misread(compiled, measured, forces, settings)) is not None:
-        return tuple(_of_log(other, log) for log in logs)
+    settings = forces.settings
+    if (other := misread(forces, measured)) is not None:
+        return tuple(_of_log(other, log) for log in forces.logs)
     drives = forces.drives()
     driven = _agreed([(fit, fault) for fit in drives for fault in _faults(fit, settings)], drives, settings)
     told = {(fit.log.name, fit.joint) for fit, _ in driven}  # commands that do nothing look like a hand against them
@@ -204,7 +200,7 @@ def _shifted(fit: DriveFit, lag: float, settings: FaultSettings) -> _Shifted | N
 def _coarse(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
     """Commands that changed between the samples of their log: the motion follows lines through them, not steps."""
     period = fit.log.commands[fit.actuator].wait
-    if fit.straight is None or given.left > settings.contrast * idle.left:
+    if fit.straight is None or period <= settings.coarse * fit.step or given.left > settings.contrast * idle.left:
         return None
     lags = np.arange(0.0, settings.longest_delay, fit.step)
     held = min(found.share for lag in lags if (found := _shifted(fit, float(lag), settings)) is not None)

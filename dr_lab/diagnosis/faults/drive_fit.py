@@ -10,9 +10,10 @@ from scipy.optimize import lsq_linear
 
 from dr_lab.diagnosis.faults.equation_error import Actuation, Demand, Weak, actuation, demand, weak_form
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.faults.smoothed_motion import Mask, Motion, controls_at
+from dr_lab.diagnosis.faults.smoothed_motion import Mask, Motion, controls_at, smoothed_motion, untestable
 from dr_lab.diagnosis.windows.commands import actuator_columns
-from dr_lab.trajectory import Array, Log
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array, Log, MeasurementSet
 
 FRICTION = 1  # column of dry friction among what may explain the rest
 _AT_JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
@@ -133,7 +134,7 @@ class Forces:
         """The forces of logs; attributes as of the class."""
         needed = demand(model, motion)
         given = straight = actuation(model, motion, controls_at(model, logs, motion))
-        if any(_rare(log, name, motion, settings) for log in logs for name in log.commands):
+        if any(_rare(log, name, model, settings) for log in logs for name in log.commands):
             straight = actuation(model, motion, controls_at(model, logs, motion, straight=True))
         weak = weak_form(motion, settings.equation, needed.touching)
         return cls(model, logs, motion, needed, given, straight, weak, settings)
@@ -219,7 +220,7 @@ class Forces:
         index = self.weak.index[rows] - int(np.argmax(grid))
         name = "" if i is None else self.model.actuator(i).name
         straight = None
-        if i is not None and name in log.commands and _rare(log, name, self.motion, self.settings):
+        if i is not None and name in log.commands and _rare(log, name, self.model, self.settings):
             straight = self._mean(self.straight.driven[:, i, dof], rows)
         return DriveFit(
             log=log,
@@ -266,6 +267,18 @@ class Forces:
         return values[self.weak.index[rows]] @ self.weak.weight
 
 
-def _rare(log: Log, name: str, motion: Motion, settings: FaultSettings) -> bool:
-    """Whether a command's samples come so rarely that it may have changed between them."""
-    return log.commands[name].wait > settings.coarse * motion.step
+def forces_of(model: Model, measured: MeasurementSet, settings: FaultSettings) -> Forces | None:
+    """The forces of all logs by the model as given; None of machines whose equation of motion cannot be tested.
+
+    These are in contact throughout, or have joints that are not measured or actuators of which no log has a command.
+    """
+    compiled, logs = model.nominal(), (*measured.fit, *measured.held_out)
+    silent = compiled.nactuator and not any(log.commands for log in logs)  # what moves the machine is not known
+    if silent or untestable(compiled, measured):
+        return None
+    return Forces.of(compiled, logs, smoothed_motion(compiled, measured, logs, settings.equation), settings)
+
+
+def _rare(log: Log, name: str, model: mujoco.MjModel, settings: FaultSettings) -> bool:
+    """Whether a command's samples come so rarely that it matters what it did between them."""
+    return log.commands[name].wait > settings.rare * model.opt.timestep

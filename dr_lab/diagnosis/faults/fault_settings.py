@@ -25,6 +25,8 @@ class FaultSettings:
         active: share of a log's beginning or end from which a first gain is taken; in the rest the machine may be off.
         idle: share of the drive's squares that the motion's need leaves in such a span, at most.
         idle_contrast: what the drive leaves there exceeds what it leaves elsewhere by this factor.
+        rare: commands that come more rarely than this many of the model's steps are also read as lines between their
+            samples.
         coarse: commands that come more rarely than this many steps of the equation's grid are tested for missing ones.
         straight: commands that go straight from sample to sample must leave at most this share of the squares of held
             ones for some to be missing.
@@ -57,6 +59,7 @@ class FaultSettings:
     active: Share
     idle: Positive
     idle_contrast: Annotated[float, at_least(1.0)]
+    rare: Positive
     coarse: Positive
     straight: Positive
     held_margin: Positive

@@ -42,9 +42,7 @@ class _Reading:
     logs: Callable[[Sequence[Log]], Sequence[Log]]
 
 
-def misread(
-    model: mujoco.MjModel, measured: MeasurementSet, forces: Forces, settings: FaultSettings
-) -> Misreading | None:
+def misread(forces: Forces, measured: MeasurementSet) -> Misreading | None:
     """The other reading of one channel, or of two that are exchanged, that leaves far less of all joints' forces.
 
     Every reading is judged on the same logs: the mean over the joints of the share of their forces that stays
@@ -53,14 +51,13 @@ def misread(
     one are named beside it. Only joints of which much is unexplained are read anew.
 
     Args:
-        model: compiled.
+        forces: those of all logs as declared.
         measured: all logs.
-        forces: those of the logs as declared.
-        settings: thresholds.
 
     Returns:
         The misreading; None where the logs are explained as declared, or no reading explains them far better.
     """
+    model, settings = forces.model, forces.settings
     plausible = (settings.gain, 1 / settings.gain)
     bad = np.flatnonzero(forces.unexplained(*plausible) >= settings.share).tolist()
     if not bad or silent_actuators(model, forces.logs):

@@ -13,7 +13,18 @@ from dr_lab.comparison.study import prepare
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.trajectory import Array, Log, Signal
-from tests.diagnosis_machines import STEP, clock, log_of, measured, pendulum, short_comparison, simulated
+from tests.diagnosis_machines import (
+    PENDULUM,
+    PENDULUM_PARAMETERS,
+    STEP,
+    clock,
+    log_of,
+    measured,
+    model_of,
+    pendulum,
+    short_comparison,
+    simulated,
+)
 
 WAIT = 0.04  # s
 FAULTS = tuple(Fault("decimated", f"log_{k}", "drive", 0.0, 4.0, "", "") for k in (1, 2))
@@ -51,7 +62,7 @@ def between(found: Comparison) -> list[str]:
 
 
 def test_lines_that_explain_more_are_taken_and_told() -> None:
-    found = with_lines(comparison(), FAULTS)
+    found = with_lines(comparison(), FAULTS, ())
     assert between(found) == ["unknown", "unknown"]
     for each in (*found.measurements.fit, *found.measurements.held_out):
         (note,) = each.notes
@@ -68,22 +79,22 @@ def test_the_rarest_samples_say_which_shift_is_not_told() -> None:
     often = np.arange(sent.time[0], sent.time[-1], 0.004)
     dense = replace(sent, time=often, value=np.interp(often, sent.time, sent.value))
     mixed = replace(rare.measurements, fit=(replace(logs[0], commands={"drive": dense}),))
-    (note,) = with_lines(replace(rare, measurements=mixed), FAULTS).measurements.fit[0].notes
+    (note,) = with_lines(replace(rare, measurements=mixed), FAULTS, ()).measurements.fit[0].notes
     assert "40 ms apart" in note.message
     assert "below 40 ms" in note.message
 
 
 def test_commands_that_held_stay_held_whatever_is_suspected() -> None:
-    assert with_lines(comparison(held), FAULTS) is comparison(held)
+    assert with_lines(comparison(held), FAULTS, ()) is comparison(held)
 
 
 def test_without_a_suspicion_nothing_is_tried() -> None:
-    assert with_lines(comparison(), ()) is comparison()
+    assert with_lines(comparison(), (), ()) is comparison()
 
 
 @pytest.mark.parametrize("said", ["hold", "line", "unknown"])
 def test_what_the_measurements_say_stands(said: str) -> None:
-    assert with_lines(comparison(between=said), FAULTS) is comparison(between=said)
+    assert with_lines(comparison(between=said), FAULTS, ()) is comparison(between=said)
 
 
 @pytest.mark.parametrize(("said", "faults", "wait"), [("", FAULTS, WAIT), ("unknown", (), WAIT), ("line", (), 0.0)])
@@ -108,3 +119,37 @@ def test_of_commands_that_hold_the_step_alone_bounds_what_is_told() -> None:
     assert not study.faults
     assert study.bench.fit.unlogged is None
     assert study.bench.timing_resolution == pytest.approx(STEP)
+
+
+def with_rotor(seed: int) -> Log:
+    """A pendulum whose rotor weighs more than half as much as it, under a command of which every fifth is logged."""
+    time, rng = clock(2000), np.random.default_rng(seed)
+    sent = 0.6 * np.sin(6 * time + rng.uniform(0, 6)) + 0.4 * np.sin(15 * time + rng.uniform(0, 6))
+    machine, command = pendulum().nominal(), Signal("drive", "N·m", time, sent)
+    machine.dof_armature[0] = 0.03
+    motion = simulated(machine, command, 4.0, qpos=[0.5])
+    reading = motion["qpos"][:, 0] + 5e-4 * rng.standard_normal(len(motion["time"]))
+    logged = replace(command, time=time[::5], value=sent[::5])
+    return log_of(f"log_{seed}", {"hinge.position": (motion["time"][::2], reading[::2])}, logged)
+
+
+@cache
+def without_rotor() -> Comparison:
+    """The same pendulum as a model that knows neither its rotor nor may change its mass."""
+    model = model_of(PENDULUM, {"hinge.damping": PENDULUM_PARAMETERS["hinge.damping"]})
+    return short_comparison(model, measured([with_rotor(1)], [with_rotor(2)], noise=5e-4))
+
+
+def test_a_rotor_that_the_model_lacks_does_not_pass_for_commands_that_hold() -> None:
+    asked = without_rotor()
+    assert between(with_lines(asked, (), ["drive"])) == ["line", "line"]
+    alone = replace(asked, settings=replace(asked.settings, usual={}))
+    assert between(with_lines(alone, (), ["drive"])) == ["", ""]
+
+
+def test_lines_that_were_found_bound_the_shift_that_can_be_told() -> None:
+    found = with_lines(without_rotor(), (), ["drive"])
+    assert longest_wait(found.measurements, ()) == pytest.approx(0.01)
+    (note,) = found.measurements.fit[0].notes
+    assert "rotor inertia and dry friction" in note.message
+    assert "estimated in every window" not in note.message

@@ -12,11 +12,12 @@ import pytest
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.faults.fault_words import parts_outside
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
+from tests.diagnosis_machines import suspected
 
 STEP, LENGTH, PEAK = 0.002, 5.0, 1.5
 XML = """
@@ -87,7 +88,7 @@ def told(measured: MeasurementSet, change: Callable[[Signal], Signal], log: str 
         return replace(each, commands={"motor": change(each.commands["motor"])}) if log in ("", each.name) else each
 
     parts = {part: tuple(map(changed, getattr(measured, part))) for part in ("fit", "held_out")}
-    return suspect_faults(nominal(), replace(measured, **parts), settings())
+    return suspected(nominal(), replace(measured, **parts), settings())
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +97,7 @@ def sound() -> MeasurementSet:
 
 
 def test_sound_logs_raise_nothing(sound: MeasurementSet) -> None:
-    assert suspect_faults(nominal(), sound, settings()) == ()
+    assert suspected(nominal(), sound, settings()) == ()
 
 
 @pytest.mark.parametrize(
@@ -111,7 +112,7 @@ def test_sound_logs_raise_nothing(sound: MeasurementSet) -> None:
     ids=["delay", "saturation", "dead zone", "friction", "weak, spring"],
 )
 def test_what_machines_do_is_no_fault(act: Act, shoulder: str) -> None:
-    assert suspect_faults(nominal(), recorded(act, shoulder), settings()) == ()
+    assert suspected(nominal(), recorded(act, shoulder), settings()) == ()
 
 
 def test_a_turned_sign_is_told_in_its_log(sound: MeasurementSet) -> None:
@@ -140,9 +141,9 @@ def of(measured: MeasurementSet, name: str) -> Signal:
 
 def test_a_servos_turned_sign_is_told() -> None:
     measured = recorded(actuator=SERVO)
-    assert suspect_faults(nominal(SERVO), measured, settings()) == ()
+    assert suspected(nominal(SERVO), measured, settings()) == ()
     turned = recorded(lambda time, sent: -sent, actuator=SERVO)
-    assert {f.kind for f in suspect_faults(nominal(SERVO), turned, settings())} == {"sign"}
+    assert {f.kind for f in suspected(nominal(SERVO), turned, settings())} == {"sign"}
 
 
 @pytest.mark.parametrize(("factor", "word"), [(1e3, "mN·m"), (1e-3, "kilo"), (180 / np.pi, "deg")])
@@ -176,7 +177,7 @@ def test_commands_that_repeat_tell_no_shift(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize(("begin", "end"), [(3.0, np.inf), (0.0, 0.55), (1.2, 1.9)])
 def test_a_machine_that_is_switched_off_is_told_with_the_time(begin: float, end: float) -> None:
     measured = recorded(lambda time, sent: np.where((time < begin) | (time >= end), sent, 0.0))
-    faults = suspect_faults(nominal(), measured, settings())
+    faults = suspected(nominal(), measured, settings())
     assert [(f.kind, f.log) for f in faults] == [("off", f"log_{k}") for k in (1, 2, 3)]
     for fault in faults:
         assert fault.begin == pytest.approx(begin, abs=0.25)
@@ -199,26 +200,26 @@ def thinned(measured: MeasurementSet, period: float) -> MeasurementSet:
 
 
 def test_commands_that_changed_more_often_than_logged_are_told(sound: MeasurementSet) -> None:
-    faults = suspect_faults(nominal(), thinned(sound, 0.02), settings())
+    faults = suspected(nominal(), thinned(sound, 0.02), settings())
     assert [(f.kind, f.log) for f in faults] == [("decimated", f"log_{k}") for k in (1, 2, 3)]
     assert "every 20 ms" in faults[0].message
 
 
 def test_commands_that_are_truly_held_are_not_called_decimated() -> None:
     measured = recorded(lambda time, sent: sent[np.searchsorted(time, np.floor(time / 0.02 + 1e-6) * 0.02 - 1e-6)])
-    assert suspect_faults(nominal(), thinned(measured, 0.02), settings()) == ()
+    assert suspected(nominal(), thinned(measured, 0.02), settings()) == ()
 
 
 def test_commands_without_any_effect_are_told() -> None:
     measured = recorded(lambda time, sent: 0.3 * np.sin(4 * time))
-    assert {f.kind for f in suspect_faults(nominal(), measured, settings())} <= {"off", "shift"}
+    assert {f.kind for f in suspected(nominal(), measured, settings())} <= {"off", "shift"}
 
 
 def test_a_log_of_zeros_is_one_of_a_machine_that_is_off(sound: MeasurementSet) -> None:
     """The pendulum hangs down, where it needs no torque at all, whatever its commands say."""
     outputs = {name: replace(signal, value=0 * signal.value) for name, signal in sound.fit[0].outputs.items()}
     still = replace(sound.fit[0], outputs=outputs)
-    (fault,) = suspect_faults(nominal(), replace(sound, fit=(still, sound.fit[1])), settings())
+    (fault,) = suspected(nominal(), replace(sound, fit=(still, sound.fit[1])), settings())
     assert (fault.kind, fault.log) == ("off", "log_1")
     assert "in the whole log" in fault.message
 
@@ -228,7 +229,7 @@ def test_machines_that_cannot_be_tested_are_left_in_peace(sound: MeasurementSet)
     fit = tuple(
         replace(log, outputs={name: log.outputs[name] for name in unmeasured}) for log in (*sound.fit, *sound.held_out)
     )
-    assert suspect_faults(nominal(), replace(sound, fit=fit, held_out=()), settings()) == ()
+    assert suspected(nominal(), replace(sound, fit=fit, held_out=()), settings()) == ()
 
 
 @pytest.mark.parametrize(

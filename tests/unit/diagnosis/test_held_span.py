@@ -5,9 +5,9 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import clock, fault_settings
+from diagnosis_machines import clock, fault_settings, suspected
 
-from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 
@@ -39,7 +39,7 @@ def faults(path: Array, friction: float = 0.0, actuator: str = "") -> tuple[Faul
     measured = MeasurementSet("rod", (log,), (), known, {"hinge.position": 0.02})
     text = XML.format(mass=0.425, friction=friction).replace("</mujoco>", f"<actuator>{actuator}</actuator></mujoco>")
     model = from_spec("rod", mujoco.MjSpec.from_string(text), {})
-    return suspect_faults(model, measured, fault_settings())
+    return suspected(model, measured, fault_settings())
 
 
 def test_a_pendulum_that_is_let_go_was_held_before() -> None:

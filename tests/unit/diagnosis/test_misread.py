@@ -10,10 +10,11 @@ import pytest
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
+from tests.diagnosis_machines import suspected
 
 STEP, LENGTH, PEAK, DEGREE = 0.002, 8.0, 12.0, np.pi / 180
 UNITS = {"rail.position": "m", "pivot.position": "rad"}
@@ -58,7 +59,7 @@ def sound() -> MeasurementSet:
 
 def told(change: Callable[[Log], Log]) -> tuple[Fault, ...]:
     parts = {part: tuple(map(change, getattr(sound(), part))) for part in ("fit", "held_out")}
-    return suspect_faults(nominal(), replace(sound(), **parts), settings())
+    return suspected(nominal(), replace(sound(), **parts), settings())
 
 
 def times(signals: Mapping[str, Signal], name: str, factor: float) -> dict[str, Signal]:
@@ -123,7 +124,7 @@ def test_a_slide_alone_leaves_open_whether_its_place_or_its_force_is_misread() -
     outputs = {"rail.position": Signal("rail.position", "m", time, 1e3 * place)}
     log = Log("log", outputs, {"motor": Signal("motor", "N", time, 2 * force + 2 * rate)})
     measured = MeasurementSet("carriage", (log,), (), {}, dict.fromkeys(("rail.position", "motor"), 0.02))
-    (fault,) = suspect_faults(from_spec("carriage", spec, {}), measured, settings())
+    (fault,) = suspected(from_spec("carriage", spec, {}), measured, settings())
     assert (fault.kind, fault.signal) == ("unit", "motor")
     assert "near 1000: kilo (N called mN" in fault.message
     assert "Or rail.position is in mm and called m: write its unit in measurements.outputs." in fault.remedy

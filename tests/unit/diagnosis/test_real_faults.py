@@ -7,7 +7,8 @@ from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.comparison import Comparison
-from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.data_faults import Fault
+from tests.diagnosis_machines import suspected
 
 pytestmark = pytest.mark.skipif(
     "DR_LAB_DATA" not in os.environ, reason="DR_LAB_DATA is not set: export DR_LAB_DATA=FOLDER of the real data sets"
@@ -18,7 +19,7 @@ def told(experiment: str, *overrides: str) -> tuple[Fault, ...]:
     cfg = compose("close", [f"experiment={experiment}", "effect=spring", *overrides])
     comparison = instantiate(cfg.comparison, _convert_="all")
     assert isinstance(comparison, Comparison)
-    return suspect_faults(comparison.model, comparison.measurements, comparison.settings.faults)
+    return suspected(comparison.model, comparison.measurements, comparison.settings.faults)
 
 
 @pytest.mark.slow
