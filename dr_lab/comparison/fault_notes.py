@@ -55,6 +55,17 @@ def faults_markdown(notes: Sequence[NoteEntry]) -> str:
     return "\n\n".join(parts)
 
 
+def lines_markdown(notes: Sequence[NoteEntry]) -> str:
+    """Which commands are read as lines between their samples, where no fault says so; empty where there is none."""
+    faulty = {note.signal for note in notes if note.kind == KIND}
+    told = {note.signal: note.message for note in notes if note.kind == UNLOGGED and note.signal not in faulty}
+    if not told:
+        return ""
+    (_, message), *others = told.items()
+    same = f" The same of {', '.join(str(name) for name, _ in others)}." if others else ""
+    return f"How commands are read:\n\n- {message}{same}"
+
+
 def faults_reminder(notes: Sequence[NoteEntry]) -> str:
     """What is to be mended, in a sentence, where it was told in full before; empty where nothing is."""
     open_ones = [note for note in notes if note.kind == KIND and not _allowed_for(note, notes)]

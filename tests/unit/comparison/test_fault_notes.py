@@ -4,6 +4,7 @@ from dr_lab.comparison.fault_notes import (
     faults_markdown,
     faults_reminder,
     known_faults,
+    lines_markdown,
 )
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.reports.gap_entries import NoteEntry
@@ -63,3 +64,11 @@ def test_what_was_told_in_full_is_recalled_in_a_sentence() -> None:
     derived = (Note("derived", "motor", "motor: it is left out."),)
     allowed = MeasurementSet("m", tuple(Log(name, {}, {}, derived) for name in "ab"), (), {}, {})
     assert faults_reminder(known_faults(faults, allowed)) == ""
+
+
+def test_commands_read_as_lines_without_a_fault_are_told_once() -> None:
+    notes = [NoteEntry(f"{name}: it goes on between.", "unlogged", signal=name) for name in ("a", "b", "a", "b")]
+    assert lines_markdown(notes) == "How commands are read:\n\n- a: it goes on between. The same of b."
+    fault = NoteEntry("a: too rare.", "fault", fault="decimated", log="log", signal="a")
+    assert lines_markdown([fault, notes[0]]) == ""
+    assert lines_markdown([]) == ""
