@@ -27,7 +27,8 @@ class ADR(EpisodeRounds):
         r(z) = mean over its episode of log D(s, a, s′) − log ½.
 
     References are played as soon as `reference_load` proposals are answered, so that the policy of either side is of
-    about the same age: else D could tell how far it had come in between.
+    about the same age: else D could tell how far it had come in between. One that diverges is left out, and played
+    again with the next.
 
     Source: Mehta, thesis, 2020, chapter 2, algorithm 2 and appendix A.6. It gives the mean of D, its code
     log(mean of D); the mean of log D is the log-likelihood of the episode's transitions per step. That code plays the
@@ -68,11 +69,13 @@ class ADR(EpisodeRounds):
     def _play_references(self, experience: Experience, count: int) -> None:
         nominal = np.tile(self.randomizer.space.nominal, (count, 1))
         played = experience.executed(experience.play(experience.policy, nominal))
-        if cast(Tensor, played["next", "infeasible"]).any():
+        feasible = ~cast(Tensor, played["next", "infeasible"]).flatten(1).any(1)
+        if not feasible.any() and not self._references:
             raise ConfigError(
                 "The nominal context, which is the reference of distribution_learner=adr, is infeasible. Choose "
                 "nominal values in which the machine can be simulated."
             )
-        lengths = cast(Tensor, played["mask"]).sum(1).tolist()
-        rows = transitions(played, self._hidden)
+        known = cast(TensorDict, played[feasible])
+        lengths = cast(Tensor, known["mask"]).sum(1).tolist()
+        rows = transitions(known, self._hidden)
         self._references += [each[:length].clone() for each, length in zip(rows, lengths, strict=True)]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 from differing_dynamics import HARD, INFEASIBLE, LENGTH, SPACE, DifferingCollector, DifferingExperience
+from tensordict import TensorDict
 
 from dr_lab.distribution_learners.adr.adr import ADR
 from dr_lab.distribution_learners.adr.discriminator import Discriminator
@@ -104,6 +105,31 @@ def test_infeasible_proposals_are_counted_and_rewarded_lowest() -> None:
         assert share >= 0.15
         assert figures["proposals_infeasible"] == pytest.approx(share)
         assert (given[-1][:3] <= given[-1].min()).all()
+
+
+class DivergingExperience(DifferingExperience):
+    """So many of the episodes in a load diverge at their second step."""
+
+    diverge: int
+
+    def play(self, *args: Any, **kwargs: Any) -> TensorDict:  # noqa: ANN401
+        played = super().play(*args, **kwargs)
+        played["next", "infeasible"][: self.diverge, 1] = True
+        played["mask"][: self.diverge, 2:] = False
+        return played
+
+
+def test_references_that_diverge_are_left_out_unless_all_do() -> None:
+    learner = adr()
+    experience = DivergingExperience(collector := DifferingCollector(learner.source))
+    experience.diverge = 1
+    while not learner._references:
+        assert not learner.update(next(collector), experience)
+    assert [len(each) for each in learner._references] == [LENGTH] * (len(experience.contexts_played[0]) - 1)
+    assert go_on(learner, collector, experience, 2)  # and the next load plays others in their place
+    learner, experience.diverge = adr(), PROPOSALS
+    with pytest.raises(ConfigError, match="reference of distribution_learner=adr, is infeasible"):
+        go_on(learner, DifferingCollector(learner.source), experience, 1)
 
 
 def test_the_box_of_the_randomizer_is_the_cube() -> None:
