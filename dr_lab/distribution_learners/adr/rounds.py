@@ -163,7 +163,7 @@ class ProposalRounds(DistributionLearner):
         answers = [self._answers[place] for place in range(len(self._proposals.z))]
         feasible = [each.transitions for each in answers if not each.infeasible]
         figures = {"proposals_infeasible": 1.0 - len(feasible) / len(answers)}
-        rewards = torch.zeros(len(answers))
+        rewards = torch.full((len(answers),), self._lowest)
         if feasible:
             randomised, reference = torch.cat(feasible), self._reference()
             discriminator = self._made(randomised.shape[1])

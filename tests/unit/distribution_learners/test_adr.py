@@ -107,6 +107,19 @@ def test_infeasible_proposals_are_counted_and_rewarded_lowest() -> None:
         assert (given[-1][:3] <= given[-1].min()).all()
 
 
+def test_a_round_without_a_feasible_proposal_is_rewarded_as_the_lowest_so_far() -> None:
+    learner = adr()
+    collector = DifferingCollector(learner.source)
+    experience = DifferingExperience(collector)
+    go_on(learner, collector, experience, 3)
+    assert learner._lowest < 0.0
+    learner.source.z[:] = INFEASIBLE / 2
+    collector._begin(np.arange(len(collector.z)))
+    (figures,) = go_on(learner, collector, experience, 1)
+    assert figures["proposals_infeasible"] == 1.0
+    assert figures["proposal_reward"] == pytest.approx(learner._lowest)
+
+
 class DivergingExperience(DifferingExperience):
     """So many of the episodes in a load diverge at their second step."""
 
