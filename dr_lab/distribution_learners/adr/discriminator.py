@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, logsigmoid
 
-from dr_lab.bounds import NotNegative, Positive, at_least, require_bounds
+from dr_lab.bounds import Limit, NotNegative, Positive, at_least, require_bounds
 from dr_lab.networks.adam import Adam
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.mlp import MLP
@@ -48,9 +48,10 @@ class Discriminator:
         learning_rate: Positive,
         minibatch: Annotated[int, at_least(2)],
         epochs: NotNegative,
-        clip: float,
+        clip: Limit,
     ) -> None:
         self.size, self.learning_rate, self.minibatch, self.epochs = size, learning_rate, minibatch, epochs
+        self.clip = clip
         require_bounds(self, "distribution_learner.discriminator", Discriminator)
         self._generator = torch.Generator().manual_seed(seed)
         self._normaliser = RunningNormaliser(size, clip)

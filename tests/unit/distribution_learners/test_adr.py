@@ -145,6 +145,11 @@ def test_references_that_diverge_are_left_out_unless_all_do() -> None:
         go_on(learner, DifferingCollector(learner.source), experience, 1)
 
 
+def test_a_bound_of_the_discriminator_is_told_by_its_own_name() -> None:
+    with pytest.raises(ConfigError, match=r"distribution_learner\.discriminator\.clip is 0"):
+        Discriminator(3, 0, [8], 1e-3, 8, 1.0, clip=0.0)
+
+
 def test_the_box_of_the_randomizer_is_the_cube() -> None:
     learner = adr(ranges={"gain": [0.3, 0.4]})
     run_z = learner.source.z
