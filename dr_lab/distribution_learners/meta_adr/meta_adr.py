@@ -23,7 +23,7 @@ class MetaADR(ProposalRounds):
         r(z) = mean over the episodes after the adaptation of log f(s, a, s′) − log ½,
 
     where f, the discriminator, is the probability that a transition is one after an adaptation. Those before are its
-    reference.
+    reference. A task in which an episode of either is infeasible is infeasible.
 
     Source: Mehta, thesis, 2020, equation 4.2.2 and algorithm 4, in which f judges whole trajectories; by transitions it
     is that of ADR.
@@ -46,10 +46,10 @@ class MetaADR(ProposalRounds):
         before, after = (not cast(Tensor, batch[key])[0, 0] for key in ("updates", "updates_left"))
         for place, rows, infeasible in self._by_place(batch) if before or after else ():
             key = place + self._proposals.first
-            if before:
+            if before and not infeasible:
                 self._references.append(rows)
-            elif self._proposals.answer(key) is not None:
-                self._answers[place] = WholeEpisode(key, rows, infeasible)
+            elif before or self._proposals.answer(key) is not None:
+                self._answers.setdefault(place, WholeEpisode(key, rows, infeasible))  # once infeasible, it stays so
 
     def _by_place(self, batch: TensorDict) -> list[tuple[int, Tensor, bool]]:
         """Of each proposal of this round that was played: its place, transitions, and whether it is infeasible."""

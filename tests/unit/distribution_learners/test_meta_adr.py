@@ -1,6 +1,7 @@
 """Meta-ADR with a meta-learner that acts otherwise after adapting to one half of the tasks, and alike in the other."""
 
 import copy
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, cast
 
@@ -75,9 +76,9 @@ def test_tasks_that_adapting_changes_are_proposed_more_often() -> None:
     assert figures[-1]["discriminator_accuracy"] > 0.6
 
 
-def test_a_meta_batch_of_as_many_tasks_is_a_round_and_only_its_first_episodes_count() -> None:
-    learner = meta_adr()
-    machine, given = Adapting(learner.source), list[tuple[int, int]]()
+def watched_rounds(learner: MetaADR, machine: Adapting, diverging: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
+    """Transitions of either side in two rounds; the first episode diverges in these slots of each phase."""
+    given = list[tuple[int, int]]()
     learn = Discriminator.learn
 
     def watched(self: Discriminator, randomised: torch.Tensor, reference: torch.Tensor) -> float:
@@ -87,11 +88,24 @@ def test_a_meta_batch_of_as_many_tasks_is_a_round_and_only_its_first_episodes_co
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Discriminator, "learn", watched)
         for _ in range(2):
-            first, between, last = machine.batches(updates=2)
-            assert not learner.update(first, EXPERIENCE)
-            assert not learner.update(between, EXPERIENCE)
-            assert learner.update(last, EXPERIENCE)
+            *phases, last = zip(machine.batches(updates=2), diverging, strict=True)
+            for batch, slots in (*phases, last):
+                batch["next", "infeasible"][slots, LENGTH - 1] = True
+            assert not any(learner.update(batch, EXPERIENCE) for batch, _ in phases)
+            assert learner.update(last[0], EXPERIENCE)
+    return given
+
+
+def test_a_meta_batch_of_as_many_tasks_is_a_round_and_only_its_first_episodes_count() -> None:
+    learner = meta_adr()
+    given = watched_rounds(learner, Adapting(learner.source), [[], [], []])
     assert given == [(TASKS * SHARE * LENGTH,) * 2] * 2
+
+
+def test_of_a_task_that_is_infeasible_before_the_adaptation_the_discriminator_sees_neither_side() -> None:
+    learner = meta_adr()
+    given = watched_rounds(learner, Adapting(learner.source), [[0, SHARE], [], [SHARE]])
+    assert given == [((TASKS - 2) * SHARE * LENGTH,) * 2] * 2
 
 
 def test_proposals_are_dealt_in_turn() -> None:
