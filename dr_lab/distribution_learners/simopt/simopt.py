@@ -47,6 +47,10 @@ class SimOpt(DistributionLearner):
 
     Source: Chebotar et al. 2019, algorithm 1, equations 3 and 4.
 
+    Limits: where the randomizer clips, which the paper does not do, a context counts as what it was moved to. μ then
+    stays within the bounds, and a Gaussian that reaches beyond them narrows and moves inward where the episodes say
+    nothing: with μ one σ from a bound, to about σ/2 in twelve updates.
+
     Args:
         randomizer: p_φ(z), Gaussian.
         seed: of starts and contexts.
