@@ -66,6 +66,11 @@ class Algorithm(ABC):
         return True
 
     @property
+    def first(self) -> int:
+        """Control steps of training before which nothing is learnt."""
+        return 0
+
+    @property
     def collecting(self) -> Policy:
         """What acts while experience is collected: ``policy``, unless others that follow from it do."""
         return self.policies["policy"]

@@ -11,7 +11,6 @@ from rich.console import Console
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.comparison.export import write_context
-from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.errors import ConfigError
 from dr_lab.files import write_text
 from dr_lab.physics.context import ContextEstimate
@@ -62,7 +61,8 @@ def train(
         beginning: what is taken over from a finished run; a run that is resumed has already done so.
 
     Raises:
-        ConfigError: the parts do not fit, a number is out of its range, or nothing would be learned of a distribution.
+        ConfigError: the parts do not fit, a number is out of its range, or nothing would be learned of a
+            policy or a distribution.
         DataError: the run to be resumed, or begun from, has no readable checkpoint, or other settings.
     """
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
@@ -70,7 +70,7 @@ def train(
     training = beginning.assemble(plan, checkpoint) if resume is None else plan.assemble(checkpoint)
     snapshots, policies, drawn = _noted(training, choice)
     if resume is None:
-        _require_learnt(training.learner, plan.frames)
+        _require_learnt(training, plan.frames)
         snapshots.take(0)
     else:
         _go_on(training, plan, resume)
@@ -86,9 +86,15 @@ def train(
     return report
 
 
-def _require_learnt(learner: DistributionLearner, frames: int) -> None:
-    """Refuse a run that ends before its distribution is learned for the first time."""
-    first = max(learner.first, learner.every)
+def _require_learnt(training: Training, frames: int) -> None:
+    """Refuse a run that ends before its policy or its distribution is learned for the first time."""
+    first = training.algorithm.first
+    if frames < first:
+        raise ConfigError(
+            f"frames is {frames}, but {training.algorithm.name} learns from control step {first} on, so that the "
+            f"policy would stay as it is. Set frames to {first} or more, or lower learning_starts of the algorithm."
+        )
+    first = max(training.learner.first, training.learner.every)
     if frames < first:
         raise ConfigError(
             f"frames is {frames}, but the distribution is learned from control step {first} on, so that it would stay "

@@ -102,6 +102,11 @@ class DDPG(Algorithm):
         return {"policy": self.explorer, "average": self.average}
 
     @property
+    def first(self) -> int:
+        """Those that are only collected."""
+        return self.learning_starts
+
+    @property
     def deployed(self) -> Policy:
         """The policy without noise, the mean over its last steps."""
         return self.average

@@ -67,6 +67,11 @@ class GAIL(Algorithm):
         return self.learner.policies
 
     @property
+    def first(self) -> int:
+        """As the learner says."""
+        return self.learner.first
+
+    @property
     def judged_by_return(self) -> bool:
         """No: what the task pays for may be something else than what the expert does."""
         return False

@@ -148,6 +148,20 @@ def test_a_batch_smaller_than_the_slots_is_told(tmp_path: Path) -> None:
         run(tmp_path / "none", "frames=0")
 
 
+@pytest.mark.parametrize(
+    ("name", "algorithm"),
+    [
+        ("TD3", ["algorithm=td3"]),
+        ("GAIL", ["algorithm=gail", "algorithm@algorithm.learner=ddpg", "algorithm.expert.path=nowhere"]),
+    ],
+)
+def test_a_run_that_ends_before_its_policy_learns_is_refused(tmp_path: Path, name: str, algorithm: list[str]) -> None:
+    given = [each for each in OVERRIDES if not each.startswith("algorithm.")]
+    arguments = compose_arguments("train", [*given, *algorithm, "frames=9999"], (shipped(),))
+    with pytest.raises(ConfigError, match=f"frames is 9999, but {name} learns from control step 10000 on"):
+        train(**arguments, run_dir=tmp_path)
+
+
 def test_infeasible_episodes_are_told_and_no_part_of_the_final_return(tmp_path: Path) -> None:
     sizes = ["env=hopper", "env/context=hopper/torso_size", "env.task.time_limit=20", "randomizer=uniform"]
     report = run(tmp_path / "run", *sizes, "env.infeasible_return=-1e6", "frames=160", "recorder.episodes=1")
