@@ -21,6 +21,7 @@ from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.seeding import derived_seed
 
 _EPSILON = 1e-8  # torch's own; Kingma and Ba 2015
+_TOGETHER = 64  # steps whose minibatches are drawn at once, which bounds the memory that they take
 logging.getLogger("torchrl").setLevel(logging.WARNING)  # it tells of every buffer that is made
 
 
@@ -142,18 +143,20 @@ class DDPG(Algorithm):
         return TensorDict(now, batch_size=rows.batch_size)
 
     def _samples(self, steps: int) -> Iterator[Transitions]:
-        """A minibatch for each of so many steps; drawn at once, since a draw takes as long as a small network does."""
+        """A minibatch for each of so many steps; drawn some at once, since a draw takes as long as a small network."""
+        normaliser = self.actor.normaliser
         rows = torch.randint(len(self.buffer), (steps * self.minibatch,), generator=self.generator)
-        drawn, normaliser = self.buffer[rows.to(self.actor.reach.device)], self.actor.normaliser
-        everything = Transitions(
-            normaliser(drawn["observation"]),
-            drawn["action"],
-            drawn["next", "reward"],
-            normaliser(drawn["next", "observation"]),
-            drawn["next", "terminated"],
-        )
-        for each in zip(*(part.split(self.minibatch) for part in everything), strict=True):
-            yield Transitions(*each)
+        for part in rows.to(self.actor.reach.device).split(_TOGETHER * self.minibatch):
+            drawn = self.buffer[part]
+            together = Transitions(
+                normaliser(drawn["observation"]),
+                drawn["action"],
+                drawn["next", "reward"],
+                normaliser(drawn["next", "observation"]),
+                drawn["next", "terminated"],
+            )
+            for each in zip(*(field.split(self.minibatch) for field in together), strict=True):
+                yield Transitions(*each)
 
     def _step(self, batch: Transitions) -> Tensor:
         """One step of both networks and their targets; gives the loss of Q and its mean."""

@@ -11,7 +11,9 @@ import pytest
 import torch
 from continuing import learn_whole_and_in_parts, updating
 from point_mass import ASKEW, INTERFACE, PointCollector, best, mean_reward, replaying_arguments
+from tensordict import TensorDict
 from torch import Tensor
+from torchrl.data import TensorDictReplayBuffer
 
 from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.ddpg.ddpg import DDPG
@@ -69,6 +71,23 @@ def test_observations_of_any_size_are_normalised(monkeypatch: pytest.MonkeyPatch
     torch.testing.assert_close(algorithm.actor.normaliser.state_dict(), seen.state_dict())
     for key in ("observation", "after"):
         assert torch.cat([getattr(sample, key) for sample in sampled]).abs().max() < 9.0
+
+
+def test_the_minibatches_of_a_large_batch_are_not_held_all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    algorithm = ddpg(learning_starts=0, steps_per_frame=4.0, minibatch=8)
+    batches, sampled, held = collector(algorithm), list[Transitions](), list[int]()
+    watched(algorithm, sampled, monkeypatch)
+    draw = type(algorithm.buffer).__getitem__
+
+    def noted(buffer: TensorDictReplayBuffer, rows: Tensor) -> TensorDict:
+        held.append(len(rows))
+        return draw(buffer, rows)
+
+    monkeypatch.setattr(type(algorithm.buffer), "__getitem__", noted)
+    algorithm.update(next(batches))
+    assert [len(sample.reward) for sample in sampled] == [8] * 256  # 64 control steps
+    assert sum(held) == 8 * 256
+    assert max(held) <= 8 * 64
 
 
 @pytest.mark.parametrize("replay", [2000, 200])  # of which the latter is written over
