@@ -60,16 +60,19 @@ def choice_plots(choice: ChoiceEntry | None) -> list[Plot]:
 
 def _curve(curve: Curve, first: bool) -> Plot:
     known = np.isfinite(curve.value)
-    x, y = thinned(curve.at[known], curve.value[known], _POINTS)
+    at, value = curve.at[known], curve.value[known]
+    x, y = thinned(at, value, _POINTS)
     smooth = len(y) > 3 * _SMOOTHED
     figure = chart()
     mode = "lines+markers" if len(y) <= _FEW else "lines"
     look = {"mode": mode, "line": {"color": NOISE if smooth else AFTER, "width": 1 if smooth else 1.8}}
     figure.add_trace(go.Scatter(x=x, y=numbers(y), name="each iteration", showlegend=smooth and first, **look))
     if smooth:
-        at, mean = _running_mean(x, y)
+        # Of all values: those that thinning keeps are the extremes, whose mean is another.
+        middle, mean = _running_mean(at, value)
+        kept = spread(len(mean), _POINTS)
         named = {"name": f"mean over 1/{_SMOOTHED} of the training", "showlegend": first}
-        figure.add_trace(go.Scatter(x=at, y=numbers(mean), **line(AFTER, 2.5), **named))
+        figure.add_trace(go.Scatter(x=middle[kept], y=numbers(mean[kept]), **line(AFTER, 2.5), **named))
     ticks = whole_ticks(float(curve.at.max(initial=0)))
     figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero", exponentformat="SI", **ticks)
     figure.update_yaxes(title=_lines(titled(curve.name.replace("_", " "), curve.unit)))
@@ -86,8 +89,9 @@ def _lines(title: str) -> str:
 def _running_mean(x: Numbers, y: Array) -> tuple[Array, Array]:
     """Mean over so many neighbouring points as a part of training has, at their middle."""
     width = max(1, len(y) // _SMOOTHED)
-    kernel = np.ones(width) / width
-    return np.convolve(x, kernel, "valid"), np.convolve(y, kernel, "valid")
+    sums = (np.cumsum(np.insert(each.astype(float), 0, 0.0)) for each in (x, y))
+    at, mean = ((before[width:] - before[:-width]) / width for before in sums)
+    return at, mean
 
 
 def _sampled(band: Band, points: int) -> Band:

@@ -228,6 +228,16 @@ def test_long_curves_have_a_running_mean_and_short_ones_do_not(tmp_path: Path, c
     assert ("One point alone: 2." in text(page)) == (count == 1)
 
 
+def test_the_running_mean_is_that_of_all_values_not_of_those_that_are_drawn(tmp_path: Path) -> None:
+    value = np.where(np.arange(8000) % 10 == 0, 10.0, 0.0)
+    (mean,) = traces(
+        trained(tmp_path, TrainingRecord("run", [Curve("kl", "", np.arange(8000), value)])),
+        "mean over 1/20 of the training",
+    )
+    assert values(mean["y"]) == pytest.approx(1.0, abs=1e-3)
+    assert len(values(mean["x"])) == 800
+
+
 @pytest.mark.slow
 def test_many_parameters_stay_small(tmp_path: Path) -> None:
     iteration, edges = np.arange(500), np.linspace(0.0, 1.0, 101)
