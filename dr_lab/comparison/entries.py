@@ -39,6 +39,7 @@ from dr_lab.reports.gap_entries import (
     RungEntry,
     WindowsEntry,
 )
+from dr_lab.reports.quantity import in_unit, number, telling_apart
 from dr_lab.trajectory import Array
 
 
@@ -189,7 +190,9 @@ def worst_direction(fitted_model: FittedModel) -> dict[str, float]:
 def trade(label: str, first: FittedModel, rival: str, second: FittedModel, bench: Bench) -> str:
     """One sentence on what the rest of the model makes up for where a rival takes an effect's place."""
     moved = [
-        f"{t.name} {t.second:.4g} instead of {t.first:.4g} {t.unit}" for t in trades(first, second, bench.evidence)
+        f"{t.name} {number(t.second, digits)} instead of {in_unit(t.first, t.unit, digits)}"
+        for t in trades(first, second, bench.evidence)
+        for digits in (telling_apart((t.first, t.second)),)
     ]
     return f"{rival} in place of {label}: {', '.join(moved) if moved else 'all other parameters keep their values'}."
 

@@ -22,7 +22,7 @@ from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
-from dr_lab.reports.quantity import uncertain
+from dr_lab.reports.quantity import in_unit, number
 from dr_lab.trajectory import MeasurementSet, Note
 
 DISAGREEING = "disagreeing_logs"
@@ -74,9 +74,10 @@ def _declared_ends(last: FittedModel) -> list[NoteEntry]:
         if parameter.name in free or not (low or high) or bound == 0:
             continue
         message = (
-            f"{parameter.name} ends at its {'lower' if low else 'upper'} bound, {bound:.4g} {parameter.unit}, as the "
-            f"model's configuration has it: the logs ask for {'less' if low else 'more'}. Widen the bound if that is "
-            "possible; else something that the model lacks acts like it."
+            f"{parameter.name} ends at its {'lower' if low else 'upper'} bound, "
+            f"{in_unit(bound, parameter.unit)}, as the model's configuration has it: the logs ask for "
+            f"{'less' if low else 'more'}. Widen the bound if that is possible; else something that "
+            "the model lacks acts like it."
         )
         notes.append(NoteEntry(message, "declared_bound"))
     return notes
@@ -116,7 +117,7 @@ def disagreeing_logs(bench: Bench, last: FittedModel) -> list[NoteEntry]:
         inside = parameter.low >= 0 and not any(any(parameter.touches(value)) for value in (low, high))
         if inside and high > bench.evidence.growth * low and (high - low) ** 2 > bench.evidence.threshold * noise:
             asked = [
-                f"{bench.fit.logs[row]} asks for {uncertain(value, None, parameter.unit)}"
+                f"{bench.fit.logs[row]} asks for {in_unit(value, parameter.unit)}"
                 for row, value in ((least, low), (most, high))
             ]
             message = (
@@ -165,10 +166,10 @@ def searched_periods(ladder: Ladder) -> list[NoteEntry]:
 def _periods(candidate: Candidate) -> str:
     effect, values = candidate.effect, candidate.fitted_model.values()
     name = f"{effect.label}.{PERIODS}"
-    number = next(p for p in effect.parameters if p.name == name)
+    periods = next(p for p in effect.parameters if p.name == name)
     proposed = " and ".join(f"{start[name]:.4g}" for start in effect.starts if name in start)
     return (
-        f"{effect.label}: of {number.low:.3g} to {number.high:.3g} periods ({number.unit}) the spectrum of the "
+        f"{effect.label}: of {periods.low:.3g} to {periods.high:.3g} periods ({periods.unit}) the spectrum of the "
         f"residuals over the position proposed {proposed or 'none'}; the fit ended at {values[name]:.4g}. "
         f"To give the number instead: effects.{effect.effect.name}.{PERIODS}=…"
     )
@@ -187,17 +188,18 @@ def _moved(candidate: Candidate, last: Mapping[str, float]) -> list[str]:
     """What became of a candidate's bounds, with its values in the last model where that has it."""
     now, values = {p.name: p for p in candidate.effect.parameters}, {**candidate.fitted_model.values(), **last}
     return [
-        f"{name} ran into its bounds ({low:.4g} to {high:.4g} {now[name].unit}), which are no physics. They were "
-        f"moved to {now[name].low:.4g} and {now[name].high:.4g} {now[name].unit}; the fit ended at {values[name]:.4g} "
-        f"{now[name].unit}."
+        f"{name} ran into its bounds ({number(low)} to {in_unit(high, now[name].unit)}), which are no physics. "
+        f"They were moved to {number(now[name].low)} and {in_unit(now[name].high, now[name].unit)}; the fit "
+        f"ended at {in_unit(values[name], now[name].unit)}."
         for name, low, high in candidate.effect.looked
     ]
 
 
 def _ends_at_bounds(effect: PlacedEffect, values: Mapping[str, float]) -> list[str]:
     return [
-        f"{p.name} ends at its bound, {values[p.name]:.4g} {p.unit}: physics, the length of the windows (windows.kept, "
-        "windows.margin) or evidence.widenings allows no more. What it stands for may be larger, or something else."
+        f"{p.name} ends at its bound, {in_unit(values[p.name], p.unit)}: physics, the length of the windows "
+        "(windows.kept, windows.margin) or evidence.widenings allows no more. What it stands for may be larger, or "
+        "something else."
         for p in effect.parameters
         if any(ran_into(p, values[p.name]))
     ]

@@ -1,10 +1,12 @@
 """Numbers as a person reads them: rounded to what they are worth, with their unit."""
 
 import math
+from collections.abc import Iterable
 
 ABSENT = "–"
 _WRITTEN_OUT = 6  # digits before the point up to which no power of ten is written
 _COUNTED = 1e9  # whole numbers below it are counts, such as control steps, and have all their digits
+_FEWEST, _FINEST = 3, 6  # significant digits of values beside one another
 _MOST = 10.0  # share of one, either sign, beyond which it says no more than that it is large
 
 
@@ -37,6 +39,28 @@ def written(value: float | str | None) -> str:
     return number(value)
 
 
+def in_unit(value: float | None, unit: str, digits: int = 4) -> str:
+    """Round to `digits` significant digits, with the unit, which pure numbers do not have.
+
+    >>> in_unit(0.2, "rad"), in_unit(3.0, "1"), in_unit(0.13784, "kg", 5)
+    ('0.2 rad', '3', '0.13784 kg')
+    """
+    return number(value, digits) + _behind(unit)
+
+
+def telling_apart(values: Iterable[float | None]) -> int:
+    """How many digits show that values differ, three at least and not more than a fit is worth.
+
+    >>> telling_apart([0.137812, 0.137845]), telling_apart([1.0, 2.0]), telling_apart([])
+    (5, 3, 3)
+    """
+    known = [value for value in values if value is not None]
+    apart = max(known, default=0.0) - min(known, default=0.0)
+    if apart <= 0:
+        return _FEWEST
+    return min(max(_FEWEST, 2 + math.floor(math.log10(max(map(abs, known)) / apart))), _FINEST)
+
+
 def uncertain(value: float | None, std: float | None, unit: str) -> str:
     """Value ± standard deviation: the deviation to two significant digits, the value to the same decimal place.
 
@@ -50,15 +74,14 @@ def uncertain(value: float | None, std: float | None, unit: str) -> str:
     >>> uncertain(3.04e-6, 2e-8, "kg")
     '(3.040 ± 0.020)e-6 kg'
     """
-    suffix = f" {unit}" if unit not in ("", "1") else ""
     if value is None or std is None or not (math.isfinite(value) and math.isfinite(std)) or std <= 0:
-        return number(value) + suffix
+        return in_unit(value, unit)
     exponent = math.floor(math.log10(max(abs(value), std)))
     power = 0 if -4 <= exponent < 5 else exponent
     scaled, deviation = value / 10.0**power, std / 10.0**power
     decimals = max(0, 1 - int(f"{deviation:.1e}".partition("e")[2]))
     text = f"{scaled:.{decimals}f} ± {deviation:.{decimals}f}"
-    return (text if power == 0 else f"({text})e{power}") + suffix
+    return (text if power == 0 else f"({text})e{power}") + _behind(unit)
 
 
 def percent(share: float | None) -> str:
@@ -95,6 +118,10 @@ def titled(name: str, unit: str) -> str:
     ('torque [N·m]', 'friction', 'return')
     """
     return name if unit in ("", "1") else f"{name} [{unit}]"
+
+
+def _behind(unit: str) -> str:
+    return f" {unit}" if unit not in ("", "1") else ""
 
 
 def _short_exponent(text: str) -> str:

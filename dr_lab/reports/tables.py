@@ -1,19 +1,15 @@
 """The tables of a report, as Markdown."""
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import ByChannel, CandidateEntry, ErrorsEntry, NoiseEntry, ParameterEntry, Parameters
 from dr_lab.reports.ladder import before_after, scored, status, steps
-from dr_lab.reports.plain import Number
-from dr_lab.reports.quantity import ABSENT, number, percent, titled, uncertain
+from dr_lab.reports.quantity import ABSENT, number, percent, telling_apart, titled, uncertain
 from dr_lab.trajectory import ClockFit
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
 _COLUMNS = 3
-# Significant digits of a parameter as each log alone gives it.
-_FEWEST, _MOST = 3, 6
 # Clocks whose times are taken as they are, in words.
 _CLOCKS = {"column": "the table's time column", "log": "the log", "publish": "the publishers"}
 
@@ -153,18 +149,9 @@ def per_log_table(parameters: Parameters) -> str:
     for name, row in parameters.items():
         each = _per_log(row)
         rows.append(
-            [titled(f"`{name}`", row.unit), *(number(each.get(log), _telling_apart(each.values())) for log in logs)]
+            [titled(f"`{name}`", row.unit), *(number(each.get(log), telling_apart(each.values())) for log in logs)]
         )
     return table(["parameter", *logs], rows) if len(logs) > 1 else ""
-
-
-def _telling_apart(values: Iterable[Number]) -> int:
-    """How many digits show that values differ, three at least and not more than a fit is worth."""
-    known = [value for value in values if value is not None]
-    apart = max(known, default=0.0) - min(known, default=0.0)
-    if apart <= 0:
-        return _FEWEST
-    return min(max(_FEWEST, 2 + math.floor(math.log10(max(map(abs, known)) / apart))), _MOST)
 
 
 def horizon_table(report: GapReport) -> str:

@@ -137,3 +137,13 @@ def test_a_moved_bound_and_where_the_added_effect_ended_have_their_unit() -> Non
     (note,) = moved_bounds(cast("Ladder", ladder))
     assert "(0 to 0.012 s)" in note.message
     assert note.message.endswith("s; the fit ended at 0.005 s.")
+
+
+def test_a_moved_bound_of_a_pure_number_has_no_unit() -> None:
+    excess = "sensor_scale@hinge.excess"
+    wide = replace(placed(pendulum(), "sensor_scale", "hinge"), looked=((excess, -0.2, 0.2),))
+    last = SimpleNamespace(values=lambda: {excess: 0.4166})
+    rung = SimpleNamespace(ranking=[SimpleNamespace(effect=wide, fitted=True, fitted_model=last)])
+    (note,) = moved_bounds(cast("Ladder", SimpleNamespace(rungs=[rung], models=[last], steps=[])))
+    assert "(-0.2 to 0.2), which" in note.message
+    assert note.message.endswith("the fit ended at 0.4166.")

@@ -5,7 +5,9 @@ from typing import Any, cast
 
 import pytest
 
+from dr_lab.comparison import entries
 from dr_lab.comparison.ladder_report import reason_of
+from dr_lab.diagnosis.evidence.trade import Trade
 
 RICHER, POORER = "smooth_friction@arm", "coulomb_friction@arm"
 
@@ -27,3 +29,13 @@ def test_what_became_of_the_named_effect(put_back: tuple[object, ...], dropped: 
     rung = SimpleNamespace(ranking=(), verdict=SimpleNamespace(effects=(RICHER,), reason="It explains much."))
     ladder = SimpleNamespace(put_back=put_back, dropped=dropped)
     assert reason_of(cast(Any, None), cast(Any, rung), cast(Any, ladder)) == told
+
+
+def test_what_makes_up_for_an_effect_differs_as_it_is_printed(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = (Trade("arm.mass", "kg", 0.137812, 0.137851), Trade("arm.inertia_scale", "1", 0.9961, 0.99))
+    monkeypatch.setattr(entries, "trades", lambda *_: found)
+    bench = cast(Any, SimpleNamespace(evidence=None))
+    assert entries.trade(RICHER, cast(Any, None), POORER, cast(Any, None), bench) == (
+        f"{POORER} in place of {RICHER}: arm.mass 0.13785 instead of 0.13781 kg, "
+        "arm.inertia_scale 0.99 instead of 0.9961."
+    )
