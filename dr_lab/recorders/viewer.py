@@ -114,29 +114,41 @@ def headless_viewer(width: int = 1600, height: int = 900) -> Iterator[ViewerClie
             process.wait(START_LIMIT)
 
 
-def show(viewer: ViewerClient, recording: Path, at: float) -> None:
-    """Open a recording in a viewer, wait until it is loaded, and stop at a time in s."""
+def show(viewer: ViewerClient, recording: Path, at: float | None = None) -> None:
+    """Open a recording in a viewer, wait until it is loaded, and stop at a time in s; None leaves that to its layout.
+
+    Raises:
+        DrLabError: it does not load, or has no times in s.
+    """
     viewer.open(str(recording.resolve()))
     deadline = time.monotonic() + START_LIMIT
     while (state := viewer.get_state()).loading or not state.views:
         if time.monotonic() > deadline:
             raise DrLabError(f"The viewer does not finish loading {recording}.")
         time.sleep(POLL)
+    if at is None:
+        return
+    timelines = [timeline.name for each in state.recordings for timeline in each.timelines]
+    if TIMELINE not in timelines:
+        raise DrLabError(
+            f"{recording} has no timeline {TIMELINE!r}, to stop {at:g} s after its start; it has "
+            f"{', '.join(timelines) or 'none'}. Leave the time out."
+        )
     viewer.set_time(TIMELINE, duration=at, play_state="paused")
 
 
-def screenshot(recording: Path, picture: Path, at: float = 0.0, width: int = 1600, height: int = 900) -> None:
+def screenshot(recording: Path, picture: Path, at: float | None = None, width: int = 1600, height: int = 900) -> None:
     """Write a PNG of a recording as the viewer shows it.
 
     Args:
         recording: the file to open.
         picture: the PNG to write.
-        at: time on the timeline in s.
+        at: time on the timeline ``t`` in s; None shows what the viewer shows first, as of training its last iteration.
         width: of the window, points, each a pixel of the picture.
         height: likewise.
 
     Raises:
-        DrLabError: the viewer does not start or the picture cannot be written.
+        DrLabError: the viewer does not start, the recording has no times in s, or the picture cannot be written.
     """
     with headless_viewer(width, height) as viewer:
         show(viewer, recording, at)

@@ -1,6 +1,5 @@
 """The recording of a sweep in the real viewer: every group's colour is where it should be."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +8,13 @@ from recorder_samples import read_recording
 from rerun.experimental import ViewerClient
 from viewer_pages import require_pages
 
+from dr_lab.errors import DrLabError
 from dr_lab.recorders.interference import Interference
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sampling import Sampled
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
+from dr_lab.recorders.viewer import show
 
 GROUPS = ("lsdr", "none")
 FRAMES = np.arange(1, 6) * 1000
@@ -74,8 +75,7 @@ def test_curves_carry_their_intervals(recording: Path) -> None:
 @pytest.mark.viewer
 def test_every_page_shows_every_group(viewer: ViewerClient, recording: Path, look: Look) -> None:
     first, second, prior = look.series(0), look.series(1), look.colour("noise")
-    viewer.open(str(recording))
-    time.sleep(2.0)  # s: until it is loaded
+    show(viewer, recording)
     expected = {
         "Overview": {"return": [first, second], "p(z) of torso.size": [first, second, prior]},
         "Curves": {"return": [first, second], "entropy": [first]},
@@ -88,3 +88,9 @@ def test_every_page_shows_every_group(viewer: ViewerClient, recording: Path, loo
         "Runs": {"Runs": []},
     }
     require_pages(viewer, expected)
+
+
+@pytest.mark.viewer
+def test_a_time_in_seconds_is_refused_where_frames_are_counted(viewer: ViewerClient, recording: Path) -> None:
+    with pytest.raises(DrLabError, match=r"has no timeline 't', to stop 0.5 s after its start; it has frames. Leave"):
+        show(viewer, recording, at=0.5)
