@@ -87,12 +87,16 @@ def _overview(report: GapReport, overlay: Overlay, geometry: mujoco.MjModel, loo
 
 
 def _robots(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> list[rrb.Spatial3DView]:
-    """Measured and simulated robot in one view a model; the measured alone where nothing was simulated."""
-    if not overlay.poses:
+    """Measured and simulated robot in one view a model; the measured alone where nothing was simulated.
+
+    None of a machine of which nothing is to be seen, such as bodies of inertia alone: its place is left to the plots.
+    """
+    moving = _moving(overlay, geometry, look)
+    if not len(moving):
         return []
     roles = [role for role in SIMULATED if role in overlay.poses]
     scenes = {_robot_title(overlay, role): ["fixed", "real", f"sim_{role}"] for role in roles}
-    eye = eye_controls(_moving(overlay, geometry, look), look)
+    eye = eye_controls(moving, look)
     return [
         rrb.Spatial3DView(
             origin=entity_path(overlay.log, "world"),
@@ -112,12 +116,10 @@ def _robot_title(overlay: Overlay, role: str) -> str:
 
 
 def _moving(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> Array:
-    """All that the eye must see: the moving shapes of every robot, or the whole model where none moves."""
+    """All that the eye must see: the moving shapes of every robot, m, shape (k, 3)."""
     kept = thin(overlay.time, look.pose_rate)
     corners = [moving_corners(geometry, position[kept], turn[kept]) for position, turn in overlay.poses.values()]
-    points = np.concatenate(corners)
-    still = geometry.stat.center + geometry.stat.extent / 2 * np.vstack([np.eye(3), -np.eye(3)])
-    return points if len(points) else still
+    return np.concatenate([np.empty((0, 3)), *corners])
 
 
 def _scatters(overlay: Overlay) -> rrb.Container:

@@ -1,17 +1,20 @@
+import copy
 import dataclasses
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+import rerun.blueprint as rrb
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 from recorder_samples import read_recording
 
 from dr_lab.errors import ConfigError, DataError, DrLabError
-from dr_lab.recorders.blueprints import worst_channels
+from dr_lab.recorders.blueprints import review_blueprint, worst_channels
 from dr_lab.recorders.force_map import ForceMap
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import Overlay
@@ -119,6 +122,20 @@ def test_compare_has_no_after_and_no_ranking(
     found = read_recording(tmp_path / "a.rrd")
     assert f"{_LOG}/scatter/arm/before" in found
     assert not [path for path in found if "after" in path or "diagnosis" in path]
+
+
+@pytest.mark.parametrize(("shapes", "robots"), [(True, 2), (False, 0)])
+def test_a_machine_without_shapes_leaves_its_place_to_the_plots(
+    close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look, *, shapes: bool, robots: int
+) -> None:
+    seen = copy.copy(furuta)
+    seen.geom_rgba[seen.geom_bodyid > 0, 3] *= shapes
+    layout = review_blueprint(gap(close_report), [overlay], seen, look)
+    assert [type(view) for view in _views(layout.root_container)].count(rrb.Spatial3DView) == robots
+
+
+def _views(part: Any) -> Iterator[Any]:  # noqa: ANN401 (containers and views)
+    yield from (view for each in part.contents for view in _views(each)) if isinstance(part, rrb.Container) else [part]
 
 
 def test_two_logs_lie_side_by_side_and_none_is_a_report(
