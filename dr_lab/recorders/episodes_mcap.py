@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.joint_labels import LABELS, commanded
+from dr_lab.recorders.joint_labels import LABELS, commanded, joint_name
 from dr_lab.recorders.mcap import FloatArrays, JointStates, write_mcap
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -63,16 +63,16 @@ def _scalar_joints(episode: Episode, place: str) -> list[JointStates]:
     rows = np.flatnonzero(np.isin(model.jnt_type, _SCALAR))
     if not len(rows):
         return []
-    names = tuple(model.joint(row).name for row in rows)
+    names = tuple(joint_name(model, row) for row in rows.tolist())
     position, velocity = episode.qpos[:, model.jnt_qposadr[rows]], episode.qvel[:, model.jnt_dofadr[rows]]
     return [JointStates(f"{place}/joint_states", names, episode.time, episode.time, position, velocity)]
 
 
 def _other_joints(episode: Episode, place: str) -> list[FloatArrays]:
     model, topics = episode.geometry, list[FloatArrays]()
-    for row in np.flatnonzero(~np.isin(model.jnt_type, _SCALAR)):
+    for row in np.flatnonzero(~np.isin(model.jnt_type, _SCALAR)).tolist():
         sources = {"position": (episode.qpos, model.jnt_qposadr), "velocity": (episode.qvel, model.jnt_dofadr)}
         for (kind, (values, address)), labels in zip(sources.items(), LABELS[int(model.jnt_type[row])], strict=True):
             columns = values[:, address[row] : address[row] + len(labels)]
-            topics.append(FloatArrays(f"{place}/{model.joint(row).name}/{kind}", labels, episode.time, columns))
+            topics.append(FloatArrays(f"{place}/{joint_name(model, row)}/{kind}", labels, episode.time, columns))
     return topics

@@ -48,7 +48,7 @@ def entries(model: mujoco.MjModel) -> tuple[list[Entry], list[Entry]]:
     """What each number of the positions (nq) and of the velocities (nv) is, in MuJoCo's order."""
     positions, velocities = list[Entry](), list[Entry]()
     for row, kind in enumerate(model.jnt_type):
-        name = model.joint(row).name or f"joint_{row}"
+        name = joint_name(model, row)
         if kind in LABELS:
             for found, labels in zip((positions, velocities), LABELS[int(kind)], strict=True):
                 found += [Entry(name, label, _UNITS.get(label, "1")) for label in labels]
@@ -57,6 +57,11 @@ def entries(model: mujoco.MjModel) -> tuple[list[Entry], list[Entry]]:
             positions.append(Entry(name, "", unit))
             velocities.append(Entry(name, "", f"{unit}/s"))
     return positions, velocities
+
+
+def joint_name(model: mujoco.MjModel, row: int) -> str:
+    """A joint's name; one without is called by its number."""
+    return model.joint(row).name or f"joint_{row}"
 
 
 def commanded(model: mujoco.MjModel) -> list[int]:

@@ -91,6 +91,23 @@ def test_the_file_says_in_which_context_each_episode_was(tmp_path: Path) -> None
     assert "/episode_2/context" in topics
 
 
+def test_joints_without_a_name_have_topics_of_their_own(tmp_path: Path) -> None:
+    free = '<body pos="{} 0 2"><freejoint/><geom size="0.1"/></body>'
+    hinge = '<body><joint/><geom size="0.1"/></body>'
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><worldbody>{free.format(0)}{hinge}{free.format(1)}</worldbody></mujoco>"
+    )
+    qpos, qvel, seen = (np.zeros((4, n)) for n in (model.nq, model.nv, 2))
+    time, action, reward = np.arange(4) * 0.1, np.zeros((3, 0)), np.zeros(3)
+    played = Episode("episode_1", {}, model, time, qpos, qvel, seen, action, reward, "truncated")
+    write_episodes(tmp_path / "episodes.mcap", [played], {}, {})
+    with (tmp_path / "episodes.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    topics = [channel.topic for channel in summary.channels.values()] if summary else []
+    assert len(set(topics)) == len(topics) == 8
+    assert {"/episode_1/joint_0/position", "/episode_1/joint_2/velocity"} < set(topics)
+
+
 def test_the_eye_goes_along_with_a_machine_that_travels(
     tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
 ) -> None:
