@@ -1,6 +1,7 @@
 """MCAP files that ROS 2 tools, Foxglove, PlotJuggler and Rerun open: profile ``ros2``, CDR messages."""
 
 import io
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,6 +88,8 @@ def write_mcap(
 ) -> None:
     """Write one MCAP file, atomically, messages of all topics merged in the order of their log time.
 
+    What has the same topic, as pieces of a recording, shares one channel.
+
     Args:
         path: the file to write.
         topics: what to write; times in s become integer nanoseconds.
@@ -116,27 +119,27 @@ def _container(encoded: Sequence[_Encoded], attachments: Mapping[str, bytes], me
 
 
 def _write_messages(writer: Writer, encoded: Sequence[_Encoded]) -> None:
-    channels = [
-        writer.register_channel(
-            topic=part.topic,
-            message_encoding="cdr",
-            schema_id=writer.register_schema(part.type.name, "ros2msg", part.type.text.encode()),
-            metadata={"offered_qos_profiles": ""},
-        )
-        for part in encoded
-    ]
+    kinds = {part.topic: part.type for part in encoded}
+    schemas = {
+        kind: writer.register_schema(kind.name, "ros2msg", kind.text.encode()) for kind in dict.fromkeys(kinds.values())
+    }
+    channels = {
+        topic: writer.register_channel(topic, "cdr", schemas[kind], metadata={"offered_qos_profiles": ""})
+        for topic, kind in kinds.items()
+    }
     if not encoded:
         return
     source = np.repeat(np.arange(len(encoded)), [len(part.log_time) for part in encoded])
     row = np.concatenate([np.arange(len(part.log_time)) for part in encoded])
+    sequence = {topic: itertools.count() for topic in kinds}
     order = np.argsort(np.concatenate([part.log_time for part in encoded]), kind="stable")
     for k, i in zip(source[order].tolist(), row[order].tolist(), strict=True):
         part = encoded[k]
         writer.add_message(
-            channel_id=channels[k],
+            channel_id=channels[part.topic],
             log_time=int(part.log_time[i]),
             publish_time=int(part.publish_time[i]),
-            sequence=i,
+            sequence=next(sequence[part.topic]),
             data=part.rows[i].tobytes(),
         )
 

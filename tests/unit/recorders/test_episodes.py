@@ -98,7 +98,7 @@ def test_joints_without_a_name_have_topics_of_their_own(tmp_path: Path) -> None:
         f"<mujoco><worldbody>{free.format(0)}{hinge}{free.format(1)}</worldbody></mujoco>"
     )
     qpos, qvel, seen = (np.zeros((4, n)) for n in (model.nq, model.nv, 2))
-    time, action, reward = np.arange(4) * 0.1, np.zeros((3, 0)), np.zeros(3)
+    time, action, reward = np.linspace(0.0, 0.3, 4), np.zeros((3, 0)), np.zeros(3)
     played = Episode("episode_1", {}, model, time, qpos, qvel, seen, action, reward, "truncated")
     write_episodes(tmp_path / "episodes.mcap", [played], {}, {})
     with (tmp_path / "episodes.mcap").open("rb") as file:

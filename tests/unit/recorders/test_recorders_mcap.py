@@ -75,6 +75,23 @@ def test_topics_are_merged_by_log_time_with_their_own_sequence_numbers(tmp_path:
     assert [time for topic, _, time in found if topic == "/command"] == [0, 1_000_000_000]
 
 
+def test_pieces_of_one_topic_share_a_channel_and_its_sequence(tmp_path: Path) -> None:
+    first, second = joint_states(3), joint_states(2, start=1.8e9)
+    commands = [
+        FloatArrays("/command", ("u",), states.log_time, np.zeros((len(states.log_time), 1)))
+        for states in (first, second)
+    ]
+    write_mcap(tmp_path / "a.mcap", [first, second, *commands], {}, {})
+    with (tmp_path / "a.mcap").open("rb") as file:
+        reader = make_reader(file)
+        summary = reader.get_summary()
+        sequence = [message.sequence for _, channel, message in reader.iter_messages(topics=["/joint_states"])]
+    assert summary is not None
+    assert sorted(channel.topic for channel in summary.channels.values()) == ["/command", "/joint_states"]
+    assert len(summary.schemas) == 2
+    assert sequence == [0, 1, 2, 3, 4]
+
+
 def test_container_has_ros2_profile_small_zstd_chunks_attachments_and_metadata(tmp_path: Path) -> None:
     write_mcap(tmp_path / "a.mcap", [joint_states(5000)], {"model.xml": b"<mujoco/>"}, {"run": "7"})
     with (tmp_path / "a.mcap").open("rb") as file:
