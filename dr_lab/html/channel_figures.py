@@ -7,7 +7,8 @@ import plotly.graph_objects as go
 from scipy.stats import norm
 
 from dr_lab.diagnosis.fit.correlation import autocorrelation
-from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbers, series
+from dr_lab.html.command_figures import Stairs, command_plots
+from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbers
 from dr_lab.html.thinning import thinned
 from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components
 from dr_lab.recorders.signals import held_until, residual
@@ -126,15 +127,6 @@ def _correlation(overlay: Overlay, channel: str) -> list[Plot]:
 
 def _commands(overlay: Overlay, points: int) -> list[Plot]:
     """Every command as the stairs that the actuator saw."""
-    if not overlay.commands:
-        return []
-    figure = chart()
-    for index, (name, signal) in enumerate(overlay.commands.items()):
-        x, y = thinned(*held_until(signal, overlay.span()[1]), points)
-        figure.add_trace(
-            go.Scatter(x=x, y=numbers(y), name=name, showlegend=True, **line(series(index + 3), shape="hv"))
-        )
-    units = dict.fromkeys(signal.unit for signal in overlay.commands.values())
-    figure.update_yaxes(title=f"command [{', '.join(units)}]")
-    figure.update_xaxes(title="t [s]")
-    return [Plot(figure, 260, half=True)]
+    end = overlay.span()[1]
+    held = ((name, signal.unit, held_until(signal, end)) for name, signal in overlay.commands.items())
+    return command_plots([Stairs(name, unit, *thinned(*curve, points)) for name, unit, curve in held], half=True)

@@ -18,7 +18,7 @@ from dr_lab.trajectory import Array
 INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--grid)"
 MEASURED, BEFORE, AFTER, NOISE = "var(--measured)", "var(--before)", "var(--after)", "var(--noise)"
 ROLES = {"measured": MEASURED, "before": BEFORE, "after": AFTER}
-_SERIES = 7  # colours of groups that the style sheet has
+SERIES = 7  # colours of groups that the style sheet has
 _FEW_TICKS = 10
 _MARKUP = ("hovertemplate", "bdata")  # what is no text of a user
 ROW = 26  # px of a labelled row
@@ -102,7 +102,7 @@ def rows_height(count: int) -> int:
 
 def series(index: int) -> str:
     """Colour of a group, in turn."""
-    return f"var(--series-{index % _SERIES})"
+    return f"var(--series-{index % SERIES})"
 
 
 def soft(colour: str) -> str:

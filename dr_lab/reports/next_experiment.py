@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from dr_lab.channel_names import joint_of
 from dr_lab.reports.gap_entries import ExperimentEntry
-from dr_lab.reports.quantity import number, percent
+from dr_lab.reports.quantity import in_unit, number, percent
 
 _WORTH = 0.9  # of a standard deviation; an experiment that leaves more of it tells nothing
 _NAMED = 3  # parameters that are told
@@ -55,8 +55,7 @@ def _sharpens(proposal: ExperimentEntry) -> str:
             "farthest."
         )
     listed = "; ".join(
-        f"`{row.parameter}` from ± {number(row.std, 2)} to ± {number(row.std_after, 2)} {row.unit}".rstrip()
-        for row in told
+        f"`{row.parameter}` from ± {number(row.std, 2)} to ± {in_unit(row.std_after, row.unit, 2)}" for row in told
     )
     return f"Play `{proposal.command_file}`: with the logs it would sharpen {listed}."
 
@@ -78,5 +77,4 @@ def _played(proposal: ExperimentEntry) -> str:
 
 
 def _quantities(values: Mapping[str, float], units: Mapping[str, str]) -> str:
-    symbols = {name: "" if unit == "1" else unit for name, unit in units.items()}
-    return ", ".join(f"{name} {number(value, 3)} {symbols.get(name, '')}".rstrip() for name, value in values.items())
+    return ", ".join(f"{name} {in_unit(value, units.get(name, ''), 3)}" for name, value in values.items())

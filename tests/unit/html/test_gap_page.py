@@ -179,6 +179,22 @@ def test_a_command_holds_to_the_end_of_the_log(
     np.testing.assert_allclose(values(trace["y"]), [3.0, 3.0])
 
 
+def test_commands_of_one_plot_share_a_unit_and_no_colour(
+    tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look
+) -> None:
+    units = {f"motor_{k}": "V" if k < 9 else "1" for k in range(10)}
+    sent = {name: Signal(name, unit, np.array([0.0, 1.0]), np.ones(2)) for name, unit in units.items()}
+    shown = dataclasses.replace(overlay, commands=sent)
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [shown], look)
+    plots = [
+        f for f in figures((tmp_path / "report.html").read_text("utf-8")) if "motor_" in f["data"][0].get("name", "")
+    ]
+    colours = [[trace["line"]["color"] for trace in each["data"]] for each in plots]
+    assert [len(each) for each in colours] == [len(set(each)) for each in colours] == [7, 2, 1]
+    titles = [each["layout"]["yaxis"]["title"]["text"] for each in plots]
+    assert titles == ["command [V]", "command [V]", "command"]
+
+
 def test_each_joints_force_has_its_own_unit(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look
 ) -> None:

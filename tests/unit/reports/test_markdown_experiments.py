@@ -33,6 +33,8 @@ def test_an_experiment_may_sharpen_parameters(close_report: dict[str, Any]) -> N
     close_report["next_experiment"] = {"sharpens": sharpens, "command_file": "next_experiment.csv"}
     text = page(close_report)
     assert "Play `next_experiment.csv`: with the logs it would sharpen `pole.mass` from ± 0.01 to ± 0.002 kg." in text
+    close_report["next_experiment"]["sharpens"] = [sharpens[0] | {"unit": "1"}]
+    assert "sharpen `pole.mass` from ± 0.01 to ± 0.002." in page(close_report)
     close_report["next_experiment"]["sharpens"] = sharpens[1:]
     assert "No command that was tried would tell `arm.mass` better" in page(close_report)
 
