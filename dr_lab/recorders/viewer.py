@@ -37,7 +37,7 @@ def find_recording(run: str, runs: Path) -> Path:
         if not found:
             raise DrLabError(f"There is no recording below {runs}. Run dr-lab compare first, or give run=FOLDER.")
         return found[-1]
-    path = Path(run)
+    path = Path(run).expanduser()
     recording = path / "review.rrd" if path.is_dir() else path
     if not recording.is_file():
         raise DrLabError(f"There is no recording {recording}. Give run=FOLDER of a run, or run=latest.")

@@ -20,6 +20,14 @@ def test_a_file_that_is_no_recording_is_refused_before_the_viewer_shows_nothing(
             find_recording(str(tmp_path), tmp_path)
 
 
+def test_a_folder_at_home_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hydra has the run quoted, which keeps the shell from putting the home in its place."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "review.rrd").write_bytes(b"RRF2\0")
+    assert find_recording("~/run", tmp_path) == tmp_path / "run" / "review.rrd"
+
+
 def test_a_report_is_refused_on_a_screen_as_in_a_browser(tmp_path: Path) -> None:
     report = tmp_path / "report.json"
     report.write_text("{}", "utf-8")
