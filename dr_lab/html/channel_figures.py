@@ -43,9 +43,12 @@ def _curves(overlay: Overlay, channel: str, points: int) -> Plot:
     for role, value in shown.items():
         _add(figure, *_drawn(overlay, signal.time, value, role), role, overlay.label(role), row=1, points=points)
     for place, each in enumerate(rows, start=2):
-        _add_band(figure, signal, overlay.noise.get(channel), place)
+        std = overlay.noise.get(channel)
+        _add_band(figure, signal, std, place)
         for role, value in each.items():
             _add(figure, *_drawn(overlay, signal.time, value, role), role, "", row=place, points=points)
+        if len(each) == 1:
+            _add_edges(figure, signal, std, place)
     figure.update_yaxes(title=f"[{signal.unit}]")
     figure.update_xaxes(title="t [s]", row=len(titles), col=1)
     return Plot(figure, _ROOM + _HEIGHT * len(titles), _anew(overlay) if left else "")
@@ -100,6 +103,13 @@ def _add_band(figure: go.Figure, signal: Signal, std: float | None, row: int) ->
         edge = np.full(2, std)
         named = {"name": "noise ±σ", "legendgroup": "noise", "showlegend": row == 2}
         figure.add_trace(band(ends, -edge, edge, NOISE, **named), row=row, col=1)
+
+
+def _add_edges(figure: go.Figure, signal: Signal, std: float | None, row: int) -> None:
+    """Those of the band, above the curves, which hide it where nothing but noise is left."""
+    for edge in () if std is None or not len(signal) else (-std, std):
+        style = {"legendgroup": "noise", "showlegend": False, "hoverinfo": "skip", **line(INK, 1.0, dash="dot")}
+        figure.add_trace(go.Scatter(x=signal.time[[0, -1]], y=[edge, edge], **style), row=row, col=1)
 
 
 def _correlation(overlay: Overlay, channel: str) -> list[Plot]:

@@ -36,6 +36,7 @@ def _plot(fitted: Parameters, given: Parameters) -> Plot:
     figure.update_xaxes(nticks=5)
     figure.update_annotations(xanchor="center", font={"size": 12})
     caption = "Intervals are ±2 std; small dots are fits of one log alone."
+    caption += " Diamonds: at a bound." * any(bool(entry.at_bound) for entry in fitted.values())
     return Plot(figure, rows_height(0) + _ROW * lines - _LABELS, caption)
 
 

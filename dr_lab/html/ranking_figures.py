@@ -17,6 +17,7 @@ _MOST = 20  # rows of a plot; all candidates are in the table
 _WORTH = 0.01  # share that a candidate promises, from which on it is drawn although it was not fitted
 _WORST = -25.0  # %; what does far worse than the plain model is merely rejected
 _COLOURS = {"named": AFTER, "equivalent": BEFORE}
+_SYMBOLS = {"absorbed": "square", "not excited": "x"}  # which are as grey as what is rejected
 
 
 def ranking_parts(report: GapReport) -> list[Part]:
@@ -76,7 +77,7 @@ def _removed(rows: Sequence[CandidateEntry], word: str) -> go.Scatter:
         "thickness": 2,
     }
     said = [f"χ² {number(row.held_out_chi2)}" if row.final else "tried on few windows" for row in rows]
-    marker = {"color": _COLOURS.get(word, NOISE), "size": 10}
+    marker = {"color": _COLOURS.get(word, NOISE), "symbol": _SYMBOLS.get(word, "circle"), "size": 10}
     labels = [row.label for row in rows]
     return go.Scatter(x=gains, y=labels, error_x=error, text=said, name=word, mode="markers", marker=marker)
 

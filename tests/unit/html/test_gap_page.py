@@ -154,6 +154,30 @@ def test_a_parameter_has_its_interval(written: str) -> None:
     assert torque["error_x"]["array"] == [2 * 1.04e-5]
 
 
+def test_a_diamond_is_explained(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
+    last = close_report["ladder"][1]
+    last |= {"converged": True, "fit": {"converged": True, "iterations": 3, "windows": 66, "infeasible_windows": 0}}
+    for at_bound in (False, True):
+        last["parameters"] = {"link.mass": {"value": 0.1, "std": 0.01, "unit": "kg", "at_bound": at_bound}}
+        write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [], look)
+        assert ("Diamonds: at a bound." in text((tmp_path / "report.html").read_text("utf-8"))) == at_bound
+
+
+def test_words_of_the_legend_of_a_ranking_have_a_look_each(written: str) -> None:
+    named = {"named", "rejected", "not excited"}
+    looks = {
+        t["name"]: (t["marker"]["color"], t["marker"].get("symbol")) for name in named for t in traces(written, name)
+    }
+    assert looks.keys() == named
+    assert len(set(looks.values())) == len(named)
+
+
+def test_the_noise_is_seen_where_nothing_else_is_left(written: str, overlay: Overlay) -> None:
+    drawn = [t for each in figures(written) for t in each["data"] if t.get("line", {}).get("dash") == "dot"]
+    edges = [values(t["y"]).tolist() for t in drawn if t.get("legendgroup") == "noise"]
+    assert edges == [[edge, edge] for std in overlay.noise.values() for edge in (-std, std)]
+
+
 def test_one_model_alone_is_simulated_and_has_no_ladder(
     tmp_path: Path, compare_report: dict[str, Any], overlay: Overlay, look: Look
 ) -> None:
