@@ -1,6 +1,6 @@
 """A channel: measured and simulated, what is left of it, and whether that is noise."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import plotly.graph_objects as go
@@ -16,6 +16,7 @@ from dr_lab.reports.quantity import number, percent
 from dr_lab.trajectory import Array, Signal
 
 _CHANCE = 0.99  # of white noise whose autocorrelation lies within the band
+_NOISY = 20.0  # standard deviations of the noise, up to which residuals hide the band
 _LAGS = 0.25  # longest lag over the length of what is known
 _ANEW = "The simulation begins anew from the measured state{}: there its curves break, and residuals jump."
 _HEIGHT, _ROOM = 170, 100  # px of a row, and of legend and title
@@ -47,8 +48,7 @@ def _curves(overlay: Overlay, channel: str, points: int) -> Plot:
         _add_band(figure, signal, std, place)
         for role, value in each.items():
             _add(figure, *_drawn(overlay, signal.time, value, role), role, "", row=place, points=points)
-        if len(each) == 1:
-            _add_edges(figure, signal, std, place)
+        _add_edges(figure, signal, std, list(each.values()), place)
     figure.update_yaxes(title=f"[{signal.unit}]")
     figure.update_xaxes(title="t [s]", row=len(titles), col=1)
     return Plot(figure, _ROOM + _HEIGHT * len(titles), _anew(overlay) if left else "")
@@ -105,10 +105,13 @@ def _add_band(figure: go.Figure, signal: Signal, std: float | None, row: int) ->
         figure.add_trace(band(ends, -edge, edge, NOISE, **named), row=row, col=1)
 
 
-def _add_edges(figure: go.Figure, signal: Signal, std: float | None, row: int) -> None:
-    """Those of the band, above the curves, which hide it where nothing but noise is left."""
-    for edge in () if std is None or not len(signal) else (-std, std):
-        style = {"legendgroup": "noise", "showlegend": False, "hoverinfo": "skip", **line(INK, 1.0, dash="dot")}
+def _add_edges(figure: go.Figure, signal: Signal, std: float | None, left: Sequence[Array], row: int) -> None:
+    """Those of the band, above a curve that hides it because it is little more than noise."""
+    largest = max((np.abs(value[np.isfinite(value)]).max(initial=0.0) for value in left), default=0.0)
+    if std is None or not len(signal) or largest > _NOISY * std:
+        return
+    style = {"legendgroup": "noise", "showlegend": False, "hoverinfo": "skip", **line(INK, 1.0, dash="dot")}
+    for edge in (-std, std):
         figure.add_trace(go.Scatter(x=signal.time[[0, -1]], y=[edge, edge], **style), row=row, col=1)
 
 
