@@ -15,7 +15,7 @@ from dr_lab.reports.tables import intervals_of, promise_table, ranking_table
 
 _MOST = 20  # rows of a plot; all candidates are in the table
 _WORTH = 0.01  # share that a candidate promises, from which on it is drawn although it was not fitted
-_WORST = -25.0  # %; what does far worse than the plain model is merely rejected
+_WORST = -25.0  # %; what does far worse than the plain model is merely rejected, and left to the table
 _COLOURS = {"named": AFTER, "equivalent": BEFORE}
 _SYMBOLS = {"absorbed": "square", "not excited": "x"}  # which are as grey as what is rejected
 
@@ -44,7 +44,7 @@ def _tables(ordered: Sequence[CandidateEntry], report: GapReport) -> Fold:
 
 
 def _plot(ordered: Sequence[CandidateEntry], report: GapReport) -> list[Plot]:
-    fitted = [row for row in ordered if row.fitted and row.gain is not None][:_MOST]
+    fitted = [row for row in ordered if row.fitted and row.gain is not None and 100 * row.gain >= _WORST][:_MOST]
     promised = [row for row in ordered if not row.fitted and (row.predicted_gain or 0.0) >= _WORTH]
     shown = [*fitted, *promised[: max(0, _MOST - len(fitted))]]
     if not shown:

@@ -126,7 +126,8 @@ def _missing_forces(report: GapReport) -> str:
         could = "" if row.ceiling is None else f" (a regression on the measured state: {percent(row.ceiling)})"
         sizes = " → ".join(number(size, 3) for size in (row.rms_first, row.rms_last))
         beyond = f"{row.unit} RMS beyond the noise's {number(row.noise, 3)}"
-        explained = f"{percent(row.explained)} explained{could}{_of_windows(row)}"
+        share = "none of it" if row.explained is not None and row.explained < 0 else percent(row.explained)
+        explained = f"{share} explained{could}{_of_windows(row)}"
         lines.append(f"- `{row.joint}`: {sizes} {beyond}, {explained}.")
         left = row.left
         if left and left.terms:

@@ -163,6 +163,18 @@ def test_a_diamond_is_explained(tmp_path: Path, close_report: dict[str, Any], lo
         assert ("Diamonds: at a bound." in text((tmp_path / "report.html").read_text("utf-8"))) == at_bound
 
 
+def test_a_row_of_a_ranking_has_its_dot_in_the_plot(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
+    close_report["ranking"][-1] |= {"gain": -0.6, "gain_ci": [-0.9, -0.3]}
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [], look)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    plot = next(f for f in figures(page) if "removed" in str(f["layout"]["xaxis"].get("title")))
+    low, _ = plot["layout"]["xaxis"]["range"]
+    drawn = [(y, x) for trace in plot["data"] for y, x in zip(trace["y"], trace["x"], strict=True)]
+    assert sorted(plot["layout"]["yaxis"]["categoryarray"]) == sorted(y for y, _ in drawn)
+    assert min(x for _, x in drawn) >= low
+    assert "The table has 1 more." in text(page)
+
+
 def test_words_of_the_legend_of_a_ranking_have_a_look_each(written: str) -> None:
     named = {"named", "rejected", "not excited"}
     looks = {
