@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.chart import Axis, Canvas, Chart, decade_axis, linear_axis
+from dr_lab.recorders.chart import LINES, Axis, Canvas, Chart, decade_axis, linear_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import SIMULATED
 from dr_lab.recorders.shape import Colour
@@ -120,7 +120,8 @@ def _log_rows(root: Branch, canvas: Canvas, rows: Sequence[_Row], x: Axis, start
         chart.line(f"{name}_bar", [start, row.value], [height] * 2, row.colour, 3.0)
         chart.dots(f"{name}_dot", [row.value], [height], row.colour, 6.0)
         if row.interval:
-            chart.line(f"{name}_interval", row.interval, [height] * 2, look.colour("measured"), 1.0)
+            # Above the bar, which would hide its lower half.
+            chart.line(f"{name}_interval", row.interval, [height] * 2, look.colour("measured"), 1.0, layer=LINES + 1.0)
         above = chart.place((x.low + x.high) / 2, bottom + 1.0)[0]
         chart.words(f"{name}_label", [(above, row.label)], look.colour("text"), lift=0.0)
 

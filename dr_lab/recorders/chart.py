@@ -165,9 +165,9 @@ class Chart:
         points = rr.Points2D(self.place(x, y), colors=[colour], radii=radii, draw_order=DOTS)
         (self.root / name).static(points)
 
-    def line(self, name: str, x: ArrayLike, y: ArrayLike, colour: Colour, radius: float) -> None:
-        """Draw a line of half-width `radius` points on the screen through data points."""
-        self._strips(name, [self.place(x, y)], colour, radius, LINES)
+    def line(self, name: str, x: ArrayLike, y: ArrayLike, colour: Colour, radius: float, layer: float = LINES) -> None:
+        """Draw a line of half-width `radius` points on the screen through data points, above those of lower layers."""
+        self._strips(name, [self.place(x, y)], colour, radius, layer)
 
     def hatch(self, name: str, spans: Sequence[tuple[float, float]], colour: Colour) -> None:
         """Draw slanting lines across the whole height, between the ends of each span of the horizontal axis."""

@@ -75,6 +75,15 @@ def test_the_best_effect_has_the_colour_of_what_the_verdict_says(
     assert np.ravel(best["Points2D:colors"]).tolist() == [red << 24 | green << 16 | blue << 8 | alpha]
 
 
+def test_an_interval_lies_above_its_bar(
+    tmp_path: Path, close_report: dict[str, Any], furuta: mujoco.MjModel, look: Look
+) -> None:
+    write_review(tmp_path / "a.rrd", gap(close_report), "", [], furuta, look)
+    found = read_recording(tmp_path / "a.rrd")
+    layers = {p: found[f"/diagnosis/ranking/row_00_{p}"]["LineStrips2D:draw_order"] for p in ("bar", "interval")}
+    assert np.ravel(layers["interval"]) > np.ravel(layers["bar"])
+
+
 def test_a_learned_force_and_the_windows_are_in_the_recording(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
 ) -> None:
