@@ -12,7 +12,7 @@ from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbe
 from dr_lab.html.thinning import thinned
 from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components
 from dr_lab.recorders.signals import held_until, residual
-from dr_lab.reports.quantity import number, percent
+from dr_lab.reports.quantity import number, percent, titled
 from dr_lab.trajectory import Array, Signal
 
 _CHANCE = 0.99  # of white noise whose autocorrelation lies within the band
@@ -38,18 +38,19 @@ def _curves(overlay: Overlay, channel: str, points: int) -> Plot:
     """Signal, residuals, and the residual after, whose axis the one before does not stretch."""
     signal, left = overlay.measured[channel], _residuals(overlay, channel)
     rows = [*([left] if left else []), *([{AFTER: left[AFTER]}] if len(left) > 1 else [])]
-    titles = [f"{channel} [{signal.unit}]{_fit(signal, left)}", *(_title(row) for row in rows)]
+    titles = [titled(channel, signal.unit) + _fit(signal, left), *(_title(row) for row in rows)]
     figure = chart(len(titles), 1, titles, shared_xaxes=True, vertical_spacing=0.1)
     shown = {MEASURED: signal.value, **{role: overlay.simulated[role][channel] for role in left}}
     for role, value in shown.items():
         _add(figure, *_drawn(overlay, signal.time, value, role), role, overlay.label(role), row=1, points=points)
     for place, each in enumerate(rows, start=2):
-        std = overlay.noise.get(channel)
+        std = overlay.residual_std(channel)
         _add_band(figure, signal, std, place)
         for role, value in each.items():
             _add(figure, *_drawn(overlay, signal.time, value, role), role, "", row=place, points=points)
         _add_edges(figure, signal, std, list(each.values()), place)
-    figure.update_yaxes(title=f"[{signal.unit}]")
+    figure.update_yaxes(title=titled("", overlay.residual_unit(channel)).strip())
+    figure.update_yaxes(title=titled("", signal.unit).strip(), row=1, col=1)
     figure.update_xaxes(title="t [s]", row=len(titles), col=1)
     return Plot(figure, _ROOM + _HEIGHT * len(titles), _anew(overlay) if left else "")
 

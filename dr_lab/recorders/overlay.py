@@ -79,6 +79,16 @@ class Overlay:
         """What a role is called on the screen: a model that is shown alone is neither before nor after anything."""
         return "simulated" if role != MEASURED and len(self.simulated) == 1 else role
 
+    def residual_unit(self, channel: str) -> str:
+        """Of measured − simulated: the channel's, or rad of the turn between orientations."""
+        signal = self.measured[channel]
+        return "rad" if is_orientation(signal.value) else signal.unit
+
+    def residual_std(self, channel: str) -> float | None:
+        """Noise of measured − simulated: the channel's, or for orientations twice that of a quaternion's components."""
+        std = self.noise.get(channel)
+        return None if std is None else std * (2.0 if is_orientation(self.measured[channel].value) else 1.0)
+
     def residual_name(self, joint: str) -> str:
         """What `residual_velocity` holds of a joint."""
         return self.residual_names.get(joint, "residual")
@@ -102,6 +112,11 @@ class Overlay:
         """First and last time of the measured signals, s."""
         times = [signal.time for signal in self.measured.values() if len(signal)] or [self.time]
         return float(min(time[0] for time in times)), float(max(time[-1] for time in times))
+
+
+def is_orientation(value: Array) -> bool:
+    """Whether samples are quaternions wxyz, shape (n, 4)."""
+    return value.ndim == 2 and value.shape[1] == 4
 
 
 def components(value: Array) -> Array:

@@ -11,7 +11,7 @@ from dr_lab.recorders.free_corner import free_corner
 from dr_lab.recorders.numbered_axis import numbered_axis
 from dr_lab.recorders.overlay import AFTER, SIMULATED, Overlay
 from dr_lab.recorders.signals import residual
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import number, titled
 from dr_lab.trajectory import Array
 
 # Rows of plots that can be read on one sheet, beside that of the commands.
@@ -79,7 +79,7 @@ def _signal(overlay: Overlay, channel: str, channels: Sequence[str]) -> _Plot:
     signal = overlay.measured[channel]
     simulated = [values[channel] for values in overlay.simulated.values() if channel in values]
     curves = [(signal.time, value) for value in (signal.value, *simulated)]
-    title = f"{channel} [{signal.unit}]"
+    title = titled(channel, signal.unit)
     return _Plot([overlay.log, "signal", channel], title, curves, legend=channel == channels[0])
 
 
@@ -88,7 +88,7 @@ def _residual(overlay: Overlay, channel: str) -> list[_Plot]:
     if not curves:
         return []
     anew = f", anew every {number(length, 3)} s" if (length := overlay.length()) else ""
-    title = f"{channel}, measured − simulated [{overlay.measured[channel].unit}]{anew}"
+    title = titled(f"{channel}, measured − simulated", overlay.residual_unit(channel)) + anew
     return [_Plot([overlay.log, "residual", channel], title, curves)]
 
 
@@ -96,8 +96,8 @@ def _after_alone(overlay: Overlay, channel: str) -> list[_Plot]:
     missing = any(channel not in overlay.simulated.get(role, {}) for role in SIMULATED)
     if missing or not len(overlay.measured[channel].time):
         return []
-    std, (time, value) = overlay.noise.get(channel), _left(overlay, channel, AFTER)
-    title = f"after alone [{overlay.measured[channel].unit}]"
+    std, (time, value) = overlay.residual_std(channel), _left(overlay, channel, AFTER)
+    title = titled("after alone", overlay.residual_unit(channel))
     title += "" if std is None else f", grey: noise ±{number(std, 3)}"
     curves = [(time, value), *([] if std is None else [(time[[0, -1]], np.array([-std, std]))])]
     return [_Plot([overlay.log, "residual", channel], title, curves, ["sim_after", "noise"])]
@@ -106,7 +106,8 @@ def _after_alone(overlay: Overlay, channel: str) -> list[_Plot]:
 def _commands(overlay: Overlay) -> _Plot:
     curves = [(signal.time, signal.value) for signal in overlay.commands.values()]
     units = ", ".join(dict.fromkeys(signal.unit for signal in overlay.commands.values()))
-    return _Plot([overlay.log, "command"], f"commands [{units}]", curves, legend=True)
+    title = titled("commands", units)
+    return _Plot([overlay.log, "command"], title, curves, legend=True)
 
 
 def _left(overlay: Overlay, channel: str, role: str) -> tuple[Array, Array]:

@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.overlay import MEASURED, SIMULATED, Overlay
+from dr_lab.recorders.overlay import MEASURED, SIMULATED, Overlay, is_orientation
+from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array, Signal
 
 _COMPONENTS = {1: ("",), 3: (" x", " y", " z"), 4: (" w", " x", " y", " z")}
@@ -31,8 +32,9 @@ def log_residuals(root: Branch, overlay: Overlay, look: Look) -> None:
                 place = root / "residual" / channel / _entity(role)
                 place.static(_style(role, overlay.label(role), value, look))
                 _send(place, *overlay.broken(signal.time, value))
-        if channel in overlay.noise and len(signal):
-            _log_band(root / "residual" / channel / "noise", signal, overlay.noise[channel], look)
+        std = overlay.residual_std(channel)
+        if std is not None and len(signal):
+            _log_band(root / "residual" / channel / "noise", signal.time, std, overlay.residual_unit(channel), look)
 
 
 def log_commands(root: Branch, overlay: Overlay, look: Look) -> None:
@@ -42,7 +44,7 @@ def log_commands(root: Branch, overlay: Overlay, look: Look) -> None:
         place = root / "command" / actuator
         style = rr.SeriesLines(
             colors=[look.command(index)],
-            names=[f"{actuator} [{signal.unit}]"],
+            names=[titled(actuator, signal.unit)],
             widths=[look.line_width],
             interpolation_mode="StepAfter",
         )
@@ -56,7 +58,7 @@ def residual(measured: Array, simulated: Array) -> Array:
     The turn is the rotation vector from the simulated to the measured orientation in rad, world frame, shape (n, 3).
     Rows whose simulated value is NaN stay NaN.
     """
-    if measured.ndim == 1 or measured.shape[1] != 4:
+    if not is_orientation(measured):
         return measured - simulated
     turn = np.full((len(measured), 3), np.nan)
     known = np.isfinite(simulated).all(axis=1)
@@ -81,12 +83,11 @@ def _style(role: str, label: str, value: Array, look: Look) -> rr.SeriesLines:
     )
 
 
-def _log_band(place: Branch, signal: Signal, std: float, look: Look) -> None:
-    style = rr.Measurements.from_fields(colors=[look.colour("noise")], names=["noise ±σ"], units=[signal.unit])
+def _log_band(place: Branch, time: Array, std: float, unit: str, look: Look) -> None:
+    style = rr.Measurements.from_fields(colors=[look.colour("noise")], names=["noise ±σ"], units=[unit])
     place.static(style)
-    ends = signal.time[[0, -1]]
     band = rr.Measurements.columns(values=np.zeros(2), variances=np.full(2, std**2))
-    place.over_time(ends, band)
+    place.over_time(time[[0, -1]], band)
 
 
 def _send(place: Branch, time: Array, value: Array) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import ByChannel, CandidateEntry, ErrorsEntry, NoiseEntry, ParameterEntry, Parameters
 from dr_lab.reports.ladder import before_after, scored, status, steps
-from dr_lab.reports.quantity import ABSENT, number, percent, telling_apart, titled, uncertain
+from dr_lab.reports.quantity import ABSENT, in_unit, number, percent, telling_apart, titled, uncertain
 from dr_lab.trajectory import ClockFit
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
@@ -170,8 +170,8 @@ def noise_table(noise: Mapping[str, NoiseEntry]) -> str:
     numerical = any(row.numerical is not None for row in noise.values())
     rows = []
     for channel, row in noise.items():
-        step = [f"{number(row.numerical, 2)} {row.unit}"] if numerical else []
-        rows.append([f"`{channel}`", f"{number(row.std, 3)} {row.unit}", row.source, *step])
+        step = [in_unit(row.numerical, row.unit, 2)] if numerical else []
+        rows.append([f"`{channel}`", in_unit(row.std, row.unit, 3), row.source, *step])
     return table(["channel", "noise std", "source", *(["error of the time step"] if numerical else [])], rows)
 
 
@@ -221,7 +221,7 @@ def _error_name(report: GapReport) -> str:
 
 def _with_unit(report: GapReport, channel: str) -> str:
     unit = report.noise[channel].unit if channel in report.noise else ""
-    return f"{channel} [{unit}]" if unit else channel
+    return titled(channel, unit)
 
 
 def _share(value: float | None) -> float | None:

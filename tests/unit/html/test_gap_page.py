@@ -266,15 +266,17 @@ def test_an_orientation_is_drawn_by_its_components(tmp_path: Path, close_report:
     angle = 0.5 * time
     turned = np.stack([np.cos(angle / 2), np.zeros(101), np.zeros(101), np.sin(angle / 2)], axis=1)
     still = np.tile([1.0, 0.0, 0.0, 0.0], (101, 1))
-    overlay = Overlay(
-        "log", time, {}, {"box": Signal("box", "1", time, turned)}, {"before": {"box": still}}, {}, {}, {}
-    )
+    signal = Signal("box", "1", time, turned)
+    overlay = Overlay("log", time, {}, {"box": signal}, {"before": {"box": still}}, {}, {}, {"box": 0.1})
     write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [overlay], look)
     page = (tmp_path / "report.html").read_text("utf-8")
     assert len(traces(page, "measured")) == 4
     assert [trace["showlegend"] for trace in traces(page, "measured")] == [True, False, False, False]
     residuals = [trace for trace in traces(page, "") if trace.get("yaxis") == "y2"]
     np.testing.assert_allclose(values(residuals[2]["y"]), angle, atol=1e-6)  # about z, rad
+    assert values(traces(page, "noise ±σ")[0]["y"]).max() == pytest.approx(0.2)  # rad: twice a component's
+    assert '"[rad]"' in page
+    assert "[1]" not in page
 
 
 def test_a_learned_force_is_a_map_with_the_place_of_the_log(

@@ -11,6 +11,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.numbered_axis import numbered_axis, reach
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.recorders.title_numbers import first_last
+from dr_lab.trajectory import Signal
 
 HEIGHT = 200.0  # px: ten numbers would be 20 px apart, which is too near
 TIME = np.linspace(0.0, 1.0, 101)
@@ -74,3 +75,12 @@ def test_a_title_tells_first_and_last() -> None:
     assert first_last(np.array([np.nan, 1.0, 5.0, 2.5, np.nan])) == ": 1 → 2.5"
     assert first_last(np.array([np.nan, 3.0])) == ": 3"
     assert first_last(np.array([np.nan])) == ""
+
+
+def test_what_is_left_of_an_orientation_is_a_turn(overlay: Overlay) -> None:
+    turned = Signal("sensor.box", "1", TIME, np.tile([1.0, 0.0, 0.0, 0.0], (101, 1)))
+    more = dataclasses.replace(
+        overlay, measured={**overlay.measured, "sensor.box": turned}, noise={**overlay.noise, "sensor.box": 0.01}
+    )
+    assert (more.residual_unit("sensor.box"), more.residual_std("sensor.box")) == ("rad", 0.02)
+    assert more.residual_std("arm.position") == overlay.noise["arm.position"]

@@ -284,3 +284,10 @@ def test_a_note_names_its_signal_once() -> None:
     assert told == [
         "- `a` `arm.position`: 4 samples came out of order and were sorted.", "- `a`: a.csv ends within a row."
     ]  # fmt: skip
+
+
+def test_a_channel_without_a_unit_has_plain_numbers(close_report: dict[str, Any]) -> None:
+    close_report["noise"]["arm.position"]["unit"] = "1"
+    text = page(close_report)
+    assert "| `arm.position` | 0.0015 | estimated | 2.1e-5 |" in text
+    assert "predicted RMSE arm.position |" in text
