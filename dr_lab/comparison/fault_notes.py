@@ -9,7 +9,9 @@ from dr_lab.trajectory import MeasurementSet
 
 KIND = "fault"
 UNLOGGED, DERIVED = "unlogged", "derived"  # notes on what the reading of the logs allows for
-_MENDS = (UNLOGGED, DERIVED)
+UNDECIDED = "undecided"  # whether commands held between their samples
+_OPEN = (UNLOGGED, UNDECIDED)
+_READINGS = (*_OPEN, DERIVED)
 _HEADINGS = {
     False: "**The logs seem faulty; mend this first, the rest depends on it:**",
     True: "What is wrong with the logs is allowed for here:",
@@ -56,9 +58,9 @@ def faults_markdown(notes: Sequence[NoteEntry]) -> str:
 
 
 def lines_markdown(notes: Sequence[NoteEntry]) -> str:
-    """Which commands are read as lines between their samples, where no fault says so; empty where there is none."""
+    """Which commands may have gone on between their samples, where no fault says so; empty where there is none."""
     faulty = {note.signal for note in notes if note.kind == KIND}
-    told = {note.signal: note.message for note in notes if note.kind == UNLOGGED and note.signal not in faulty}
+    told = {note.signal: note.message for note in notes if note.kind in _OPEN and note.signal not in faulty}
     if not told:
         return ""
     (_, message), *others = told.items()
@@ -84,13 +86,13 @@ def faults_line(notes: Sequence[NoteEntry]) -> str:
 
 
 def known_faults(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteEntry]:
-    """Notes on faults, and on how the reading of the logs allows for some of them."""
+    """Notes on faults, on how the reading of the logs allows for some of them, and on what it leaves open."""
     logs = (*measured.fit, *measured.held_out)
     mends = [
         NoteEntry(note.message, note.kind, signal=note.signal)
         for log in logs
         for note in log.notes
-        if note.kind in _MENDS
+        if note.kind in _READINGS
     ]
     return [*fault_notes(faults, measured), *mends]
 

@@ -23,7 +23,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, fitted
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
 from dr_lab.diagnosis.faults.drive_fit import forces_of
-from dr_lab.diagnosis.faults.straight_commands import follow_lines
+from dr_lab.diagnosis.faults.straight_commands import may_follow_lines
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.scales import machine_scales, with_replay
 from dr_lab.diagnosis.fit.states import fit_states
@@ -119,7 +119,7 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
     require_control_units(comparison.model.nominal(), (*measured.fit, *measured.held_out))
     forces = forces_of(comparison.model, measured, comparison.settings.faults)
     suspected = suspect_faults(forces, measured)
-    read = with_lines(comparison, suspected, follow_lines(forces))
+    read = with_lines(comparison, suspected, may_follow_lines(forces, measured, comparison.settings.faults))
     compiled = comparison.model.nominal()
     resolve(compiled, tuple(measured.fit[0].outputs))  # a name that is wrong is no channel that is lacking
     tell([*known_faults(suspected, read.measurements), *silent_notes(compiled, measured)])

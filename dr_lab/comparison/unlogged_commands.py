@@ -5,14 +5,16 @@ from dataclasses import replace
 from functools import reduce
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
-from dr_lab.comparison.fault_notes import UNLOGGED
+from dr_lab.comparison.fault_notes import UNDECIDED, UNLOGGED
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
+from dr_lab.diagnosis.faults.straight_commands import is_coarse
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.unlogged import unknown
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.effects.catalogue import candidates
@@ -24,39 +26,42 @@ from dr_lab.trajectory import Log, MeasurementSet, Note
 def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequence[str]) -> Comparison:
     """The comparison whose commands go straight between samples where the motion asks for it, which notes say.
 
-    Asked are commands that a fault calls decimated, or of which the equation of motion suspects as much, unless the
-    measurements say what they do between their samples (`Signal.between`). The model is calibrated with them held and
-    with them straight, both times with what models lack most often (`ComparisonSettings.usual`): without it, half a
-    sample of delay may make up for a rotor's inertia or for friction. They are read as straight if held ones leave more
-    of the logs that score beyond doubt. In two ways:
+    Asked are commands that a fault calls decimated, or that may have followed lines for what the equation of motion
+    tells, unless the measurements say what they do between their samples (`Signal.between`). The model is calibrated
+    with them held and with them straight, both times with what models lack most often (`ComparisonSettings.usual`):
+    without it, half a sample of delay may make up for a rotor's inertia or for friction. There are three answers:
 
-    1. What decimated commands did beside the line is unknown, and fitted in every window.
-    2. Other ones come often enough that the line itself will do.
+    1. Held ones leave more of the logs that score, beyond doubt. Then they are read as straight; what coarse ones
+       (`is_coarse`) did beside the line is unknown, and fitted in every window.
+    2. Straight ones leave more beyond doubt. Then they held.
+    3. Neither. They are read as held, but no shift in time by less than a sample is told (`longest_wait`).
 
     Args:
         comparison: model and logs.
         faults: of the logs.
-        straight: actuators whose commands the motion seems to follow as lines.
+        straight: actuators whose commands the motion may have followed as lines.
     """
     model, measured, settings = comparison.model, comparison.measurements, comparison.settings
-    decimated = {fault.signal for fault in faults if fault.kind == "decimated"}
     logs = (*measured.fit, *measured.held_out)
-    suspected = sorted(decimated.union(straight))
+    suspected = sorted({fault.signal for fault in faults if fault.kind == "decimated"}.union(straight))
     names = [n for n in suspected if all(log.commands[n].between == "" for log in logs if n in log.commands)]
     if not names:
         return comparison
     fuller = _with_usual(model, measured, settings)
     held, line = (_left(fuller, _read(measured, dict.fromkeys(names, way)), settings) for way in ("hold", "line"))
-    if not supported(paired_gain(held, line, settings.evidence), 0, settings.evidence):
+    if _better(held, line, settings.evidence):
         return comparison
-    told = {name: _told(name, measured, held, line, name in decimated) for name in names}
-    found = _read(measured, {name: "unknown" if name in decimated else "line" for name in names})
-    fit, held_out = (tuple(_noted(log, told) for log in part) for part in (found.fit, found.held_out))
-    return replace(comparison, measurements=replace(found, fit=fit, held_out=held_out))
+    if not _better(line, held, settings.evidence):
+        return _noted(comparison, UNDECIDED, {name: _undecided(name, measured, held, line) for name in names})
+    sent = [(name, log.commands[name]) for log in logs for name in names if name in log.commands]
+    coarse = {name for name, signal in sent if is_coarse(signal, settings.faults)}
+    told = {name: _told(name, measured, held, line, name in coarse) for name in names}
+    found = _read(measured, {name: "unknown" if name in coarse else "line" for name in names})
+    return _noted(replace(comparison, measurements=found), UNLOGGED, told)
 
 
 def longest_wait(measured: MeasurementSet, faults: Sequence[Fault]) -> float:
-    """Longest usual time in s between two samples of commands that changed between them without being logged; or 0."""
+    """Longest usual time in s between two samples of commands that may have changed between them; 0 where none did."""
     decimated = {(fault.log, fault.signal) for fault in faults if fault.kind == "decimated"}
     rare = [
         signal
@@ -94,24 +99,51 @@ def _left(model: Model, measured: MeasurementSet, settings: ComparisonSettings) 
     return score_of(*fit_states(model, fit.z, scored, settings.solver, threads))
 
 
-def _told(name: str, measured: MeasurementSet, held: Score, line: Score, decimated: bool) -> str:
-    wait = max(log.commands[name].wait for log in (*measured.fit, *measured.held_out) if name in log.commands)
-    scored = "held-out logs" if measured.held_out else "logs"
-    beside = ", and what that misses is estimated in every window" if decimated else ""
+def _better(one: Score, other: Score, evidence: EvidenceSettings) -> bool:
+    """Whether one leaves less than another beyond doubt."""
+    return supported(paired_gain(other, one, evidence), 0, evidence)
+
+
+def _told(name: str, measured: MeasurementSet, held: Score, line: Score, coarse: bool) -> str:
+    wait, scored = _wait_and_scored(name, measured)
+    beside = ", and what that misses is estimated in every window" if coarse else ""
     return (
-        f"{name}: what was sent between its samples, {1e3 * wait:.3g} ms apart where they are rarest, is not logged. "
+        f"{name}: what was sent between its samples, {wait} apart where they are rarest, is not logged. "
         "It is read as going straight from one to the next, which the calibrated model with rotor inertia and dry "
         f"friction explains better than held commands (χ² {line.chi2:.3g} instead of {held.chi2:.3g} on the "
-        f"{scored}){beside}. A shift in time below {1e3 * wait:.3g} ms is not told from none. "
+        f"{scored}){beside}. A shift in time below {wait} is not told from none. "
         f"+measurements.commands.{name}.between=hold reads it as held."
     )
 
 
-def _noted(log: Log, told: dict[str, str]) -> Log:
-    notes = [Note(UNLOGGED, name, message) for name, message in told.items() if name in log.commands]
-    return replace(log, notes=(*log.notes, *notes))
+def _undecided(name: str, measured: MeasurementSet, held: Score, line: Score) -> str:
+    wait, scored = _wait_and_scored(name, measured)
+    return (
+        f"{name}: whether it held between its samples, {wait} apart where they are rarest, or went on, the {scored} do "
+        "not tell: held, the calibrated model with rotor inertia and dry friction leaves χ² "
+        f"{held.chi2:.3g}, and {line.chi2:.3g} with straight lines. It is read as held. A shift in time below {wait} "
+        f"is not told from none, unless +measurements.commands.{name}.between=hold, or line, says what it did."
+    )
+
+
+def _wait_and_scored(name: str, measured: MeasurementSet) -> tuple[str, str]:
+    """The longest usual time between two samples of a command, and what the logs that score are called."""
+    wait = max(log.commands[name].wait for log in (*measured.fit, *measured.held_out) if name in log.commands)
+    return f"{1e3 * wait:.3g} ms", "held-out logs" if measured.held_out else "logs"
+
+
+def _noted(comparison: Comparison, kind: str, told: Mapping[str, str]) -> Comparison:
+    """The comparison with notes on some commands in every log that has them."""
+
+    def noted(log: Log) -> Log:
+        notes = [Note(kind, name, message) for name, message in told.items() if name in log.commands]
+        return replace(log, notes=(*log.notes, *notes))
+
+    measured = comparison.measurements
+    fit, held_out = (tuple(map(noted, part)) for part in (measured.fit, measured.held_out))
+    return replace(comparison, measurements=replace(measured, fit=fit, held_out=held_out))
 
 
 def _is_noted(log: Log, name: str) -> bool:
-    """Whether it was found that a command of a log changed between its samples."""
-    return any((note.kind, note.signal) == (UNLOGGED, name) for note in log.notes)
+    """Whether it was found that a command of a log changed between its samples, or may have."""
+    return any(note.kind in (UNLOGGED, UNDECIDED) and note.signal == name for note in log.notes)

@@ -50,6 +50,10 @@ def held(waves: Array) -> Array:
     return np.repeat(waves[::10], 10)
 
 
+def weak(waves: Array) -> Array:
+    return 1e-4 * waves
+
+
 @cache
 def comparison(sent: Callable[[Array], Array] = as_sent, between: str = "") -> Comparison:
     one, other = (log(seed, sent, between) for seed in (1, 2))
@@ -145,6 +149,17 @@ def test_a_rotor_that_the_model_lacks_does_not_pass_for_commands_that_hold() -> 
     assert between(with_lines(asked, (), ["drive"])) == ["line", "line"]
     alone = replace(asked, settings=replace(asked.settings, usual={}))
     assert between(with_lines(alone, (), ["drive"])) == ["", ""]
+
+
+def test_where_the_logs_do_not_tell_commands_are_held_but_no_shift_below_the_wait_is_told() -> None:
+    """A command that hardly acts: both readings leave noise."""
+    quiet = comparison(weak)
+    found = with_lines(quiet, (), ["drive"])
+    assert between(found) == ["", ""]
+    (note,) = found.measurements.fit[0].notes
+    assert (note.kind, note.signal) == ("undecided", "drive")
+    assert "40 ms apart" in note.message
+    assert longest_wait(found.measurements, ()) == pytest.approx(WAIT)
 
 
 def test_lines_that_were_found_bound_the_shift_that_can_be_told() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import forces_of
-from dr_lab.diagnosis.faults.straight_commands import follow_lines
+from dr_lab.diagnosis.faults.straight_commands import may_follow_lines
 from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
 from tests.diagnosis_machines import clock, fault_settings, log_of, measured, pendulum, simulated
 
@@ -24,7 +24,7 @@ def log(held: bool, seed: int, every: int = EVERY, between: str = "") -> Log:
 
 
 def suspected(logs: MeasurementSet) -> tuple[str, ...]:
-    return follow_lines(forces_of(pendulum(), logs, fault_settings()))
+    return may_follow_lines(forces_of(pendulum(), logs, fault_settings()), logs, fault_settings())
 
 
 def test_commands_that_changed_between_their_samples_are_suspected() -> None:
@@ -43,6 +43,12 @@ def test_what_the_model_s_step_hides_is_not_asked() -> None:
     assert suspected(measured([log(held=False, seed=1, every=2)], noise=1e-4)) == ()
 
 
-def test_machines_that_cannot_be_tested_raise_no_suspicion() -> None:
-    silent = measured([replace(log(held=False, seed=1), commands={})], noise=1e-4)
+def test_of_machines_that_cannot_be_tested_coarse_commands_are_suspected() -> None:
+    logs = [log(held=True, seed=1, every=every) for every in (10, 5)]
+    coarse, fine = (measured([each], noise=1e-4) for each in logs)
+    assert may_follow_lines(None, coarse, fault_settings()) == ("drive",)
+    assert may_follow_lines(None, fine, fault_settings()) == ()
+    said = measured([log(held=True, seed=1, every=10, between="hold")], noise=1e-4)
+    assert may_follow_lines(None, said, fault_settings()) == ()
+    silent = measured([replace(logs[0], commands={})], noise=1e-4)
     assert suspected(silent) == ()
