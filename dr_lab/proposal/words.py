@@ -1,5 +1,6 @@
 """What a topic, field or column is, by its name alone: which quantity, in which unit, of which joint."""
 
+import itertools
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable
@@ -75,6 +76,7 @@ _PRESENT: dict[str, set[str]] = {
     "act": _POSITION - {"x", "y", "z", "state", "joints"},
     "current": {"pos", "position", "positions", "qpos", "angle", "angles"},
 }
+_TORQUE_CURRENT = ("i", "q")  # of a motor that is driven by field orientation
 # Single letters that are units, with the words of quantities that are measured in them.
 _LETTERS: dict[str, set[str]] = {
     "a": {"current", "i", "u"},
@@ -205,7 +207,8 @@ def identity(name: str) -> frozenset[str]:
 
 
 def _kind(rest: list[str], above: set[str], by_unit: Kind, asked: bool) -> Kind:
-    own = {_bare(word) for word in rest}
+    bare = [_bare(word) for word in rest]
+    own = {*bare, *({"current"} if _TORQUE_CURRENT in itertools.pairwise(bare) else ())}
     said = own | above
     if own & _OTHER or by_unit == "other":
         return "other"
