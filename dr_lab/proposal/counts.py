@@ -1,4 +1,4 @@
-"""Angles that may be counts of an encoder: whole numbers whose name says no unit."""
+"""Angles and lengths that may be counts of an encoder: whole numbers whose name says no unit."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.proposal.drives import UNITS
+from dr_lab.proposal.drives import UNITS, explains
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.search import Options, Readings, most_near
 from dr_lab.proposal.searched import Searched
@@ -38,12 +38,14 @@ def with_counts(
     Returns:
         The search, and the joints whose motion does not tell whether they are in counts.
     """
-    places = {
+    whole = {
         j: candidates[each.series]
         for j, each in enumerate(searched.found.readings)
-        if hinges[j] and each.series not in searched.trial.rates and may_be_counts(candidates[each.series])
+        if each.series not in searched.trial.rates and may_be_counts(candidates[each.series])
     }
+    places = {j: series for j, series in whole.items() if hinges[j]}
     told = {j: size for j, series in places.items() if (size := _by_rests(series, searched.asked, settings))}
+    told |= {j: size for j in whole.keys() - places.keys() if (size := _by_servo(j, searched, settings))}
     if told:
         read = enumerate(searched.found.readings)
         searched = again([Options((r.series,), (told.get(j, abs(r.factor)),), hinges[j]) for j, r in read])
@@ -79,7 +81,7 @@ def counted_by_name(output: Output, settings: ProposalSettings) -> Output:
 
 
 def doubts_of_counts(outputs: Sequence[Output]) -> Iterator[str]:
-    """What is unsure of angles that may be counts, in a sentence."""
+    """What is unsure of angles that may be counts, and of lengths that are, a sentence each."""
     may = [each for each in outputs if each.counts]
     if may:
         hold, are = ("holds", "is") if len(may) == 1 else ("hold", "are")
@@ -88,6 +90,12 @@ def doubts_of_counts(outputs: Sequence[Output]) -> Iterator[str]:
             f"{are} read in {may[0].unit}: the motion does not tell. If they are counts, take the commented lines of "
             f"the measurements: scale: {360 / may[0].counts[0]:.3g} with unit: deg is 360/{may[0].counts[0]}."
         )
+    for each in outputs:
+        if each.unit in UNITS["m"] and each.scale != 1.0:
+            yield (
+                f"{each.source} holds whole numbers alone, and is read in counts of {each.scale:g} {each.unit}, by the "
+                "command that it follows. Write the encoder's own for scale: the way of one turn over its counts."
+            )
 
 
 def entry_of_counts(entry: Mapping[str, object], counts: Sequence[int]) -> dict[str, object]:
@@ -125,6 +133,22 @@ def _by_rests(position: Series, commands: Sequence[Series], settings: ProposalSe
         apart = abs(math.log(size / seen)) > math.log(1 + settings.rests_off)
         if not apart and abs(rest.offset) < settings.rests_off * rest.span:
             return size
+    return 0.0
+
+
+def _by_servo(joint: int, searched: Searched, settings: ProposalSettings) -> float:
+    """M of one count of a slide that follows a command whose name says its unit; 0 where none does, or it is none.
+
+    A servo's slide is, on the whole, where its command is, whatever its gains are: so many counts are one of that.
+    """
+    outcome, reading = searched.found.outcome, searched.found.readings[joint]
+    for drive in (each for each in searched.drives if each.dof == joint):
+        given = outcome.given[joint][0]
+        stiffness = given.stiffness or (drive.force if drive.servo else 0.0)
+        asked = UNITS["m"].get(searched.asked[given.series].words.unit, 0.0)
+        if stiffness and asked and explains(given, drive, outcome, settings):
+            off = abs(given.gain) / (stiffness * asked)
+            return 0.0 if settings.gain < off < 1 / settings.gain else float(f"{abs(reading.factor) / off:.3g}")
     return 0.0
 
 

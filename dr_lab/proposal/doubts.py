@@ -95,13 +95,14 @@ def _open(joints: Sequence[str], found: Found, candidates: Sequence[Series]) -> 
     """Orders and units that the motion does not decide, and angles that were moved."""
     if any(_different(found.readings, other) for other in found.plain):
         yield f"Not certain which is which: {_orders(found, joints, candidates)} Name columns after the joints."
-    degrees = {
-        j for other in found.plain for j, (a, b) in enumerate(zip(found.readings, other, strict=True))
+    sizes = {
+        (j, f"{abs(b.factor / a.factor):.3g}")
+        for other in found.plain for j, (a, b) in enumerate(zip(found.readings, other, strict=True))
         if abs(a.factor) != abs(b.factor) and a.series == b.series
     }  # fmt: skip
-    if degrees:
-        listed = ", ".join(joints[j] for j in sorted(degrees))
-        yield f"The unit of {listed} is not seen in the motion: another would fit about as well."
+    for j in sorted({j for j, _ in sizes}):
+        listed = " or ".join(sorted((size for of, size in sizes if of == j), key=float))
+        yield f"The unit of {joints[j]} is not seen in the motion: {listed} times it would fit about as well."
     moved = [joints[j] for j, each in enumerate(found.readings) if each.offset]
     if moved:
         yield (

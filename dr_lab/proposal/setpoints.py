@@ -59,7 +59,7 @@ def of_units(outputs: Sequence[Output], commands: Sequence[Command], settings: P
     places = {output.channel: output for output in outputs}
     for command in commands:
         output = places.get(f"{command.drive.joint}.position")
-        if output is None or not _stiffness(command) or (output.unit, output.scale) == (command.unit, command.scale):
+        if output is None or not _stiffness(command) or output.unit == command.unit:
             continue
         said = all(series.words.unit for series in (command.series, output.parts[0]))
         if not said and at_rest(command, output, settings) is None:

@@ -28,7 +28,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def proposed(xml: str, names: tuple[str, str], peak: float, of_command: float = 1.0) -> dict[str, Any]:
+def proposed(
+    xml: str, names: tuple[str, str], peak: float, of_command: float = 1.0, counts: float = SCALE
+) -> dict[str, Any]:
     """What init makes of three logs whose angle is in counts, and whose command is so many times that of the model."""
     Path("arm.xml").write_text(xml)
     model, paths = mujoco.MjModel.from_xml_string(xml), []
@@ -39,7 +41,7 @@ def proposed(xml: str, names: tuple[str, str], peak: float, of_command: float = 
             data.ctrl[:] = levels[k // 500]
             if k % 5 == 0:
                 asked = of_command * data.ctrl[0]
-                rows.append((data.time, asked if peak < 1 else np.round(asked), np.round(SCALE * data.qpos[0])))
+                rows.append((data.time, asked if peak < 1 else np.round(asked), np.round(counts * data.qpos[0])))
             mujoco.mj_step(model, data)
         table = dict(zip(("time", *names), np.array(rows).T, strict=True))
         paths.append(str(write_csv(Path(f"logs/log_{seed}.csv"), table)))
@@ -75,6 +77,24 @@ def test_rests_at_a_command_of_a_known_unit_tell_the_counts(capsys: pytest.Captu
     assert found["outputs"]["turn.position"] == {"column": "angle", "unit": "deg", "scale": 0.087890625}
     assert found["commands"]["motor"] == {"column": "target_deg", "unit": "deg"}
     assert "counts" not in capsys.readouterr().out
+
+
+def test_a_command_in_millimetres_tells_the_counts_of_a_slide(capsys: pytest.CaptureFixture[str]) -> None:
+    """41 counts a millimetre are no metres, whatever the servo's gains are."""
+    cart = """<mujoco model="arm"><option timestep="0.002" integrator="RK4"/><worldbody><body>
+      <joint name="rail" type="slide" axis="1 0 0" damping="3"/>
+      <geom type="box" size="0.1 0.05 0.05" mass="1"/></body></worldbody>
+      <actuator><position name="drive" joint="rail" kp="400" kv="30"/></actuator></mujoco>"""
+    found = proposed(cart, ("target_mm", "enc"), 0.05, 1e3, counts=41e3)
+    assert found["outputs"]["rail.position"] == {
+        "column": "enc",
+        "unit": "mm",
+        "scale": pytest.approx(1 / 41, rel=0.03),
+    }
+    assert found["commands"]["drive"] == {"column": "target_mm", "unit": "mm"}
+    page = capsys.readouterr().out
+    assert "enc holds whole numbers alone, and is read in counts of 0.02" in page
+    assert "Logs of a servo mostly have one unit" not in page
 
 
 @pytest.mark.parametrize("name", ["angle_deg", "angle_rad"])
