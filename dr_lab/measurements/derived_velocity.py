@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 
 from dr_lab.channel_names import POSITION, VELOCITY, joint_of, quantity
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.lattice import lattice_step
 from dr_lab.trajectory import Array, Log, Noise, Note, Signal
 
 _SAME_TIME = 1e-6  # s, up to which two samples are of one instant
@@ -19,6 +20,10 @@ _LATE = 1.5  # usual times between samples, beyond which one is missing
 _FEWEST = 200  # samples that a filter is worth
 _TAIL = 400  # samples of an impulse response
 _FREQUENCIES = 8192  # points of a response's Fourier transform
+# Share of a step up to which rounding makes nearly all samples differ: a half, and what a fitted filter errs by. Of a
+# velocity made elsewhere, whose noise is no less than a step's, one sample in nine is farther off.
+_ROUNDED = 0.65
+_NEARLY = 0.98
 
 
 class _Shape(NamedTuple):
@@ -43,19 +48,22 @@ class Derived:
         delay: s, by which a slow velocity comes late.
         corner: Hz, at which half of the power is left; infinite if more is left everywhere.
         period: s, between two samples.
+        rounded: whether what it leaves is no more than the velocity's own rounding.
     """
 
     share: float
     delay: float
     corner: float
     period: float
+    rounded: bool = False
 
     def note(self, position: str, velocity: str) -> Note:
         """What the user reads."""
         smooth = f", low-passed at {self.corner:.3g} Hz" if np.isfinite(self.corner) else ""
+        repeats = "its own rounding" if self.rounded else f"{100 * self.share:.2g} %"
         message = (
             f"{velocity} is the difference of {position} over samples of {1e3 * self.period:.3g} ms{smooth} "
-            f"({1e3 * self.delay:.3g} ms late): it repeats the position's noise to within {100 * self.share:.2g} %. "
+            f"({1e3 * self.delay:.3g} ms late): it repeats the position's noise to within {repeats}. "
             f"What it tells of the motion {position} tells already, so that it is left out; "
             "measurements.contract.derived=0 keeps it."
         )
@@ -69,8 +77,9 @@ def without_derived(
 
     A filter F that is driven by the logged samples y = q + n gives v = F q + F n, while a velocity that was measured or
     made elsewhere does not know n, and v − F y holds F n. So v is made of y where v − F y is far smaller than
-    std(n) ‖F‖ for any of a few filters. Given y it then says nothing of q, whatever the filter, and counting it
-    beside y would count the same noise twice.
+    std(n) ‖F‖ for any of a few filters, or nowhere more than v's own rounding to whole rpm or the like, if that is too
+    fine to hide a noise of std(n) ‖F‖. Given y it then says nothing of q, whatever the filter, and counting it beside y
+    would count the same noise twice.
 
     Args:
         logs: all logs.
@@ -113,13 +122,13 @@ def derived(position: Signal, velocity: Signal, std: float, most: float) -> Deri
     if not _tells(position):
         return None
     steps, settled = np.diff(time), _settled(time)
-    period = float(np.median(steps))
+    period, rounding = float(np.median(steps)), lattice_step(value) or 0.0
     for wait in (steps, np.full(len(steps), period)):
         rough = np.append(0.0, np.diff(position.value) / wait)
         for shape in _SHAPES:
             found = _fitted(rough, value, shape, settled[settled < len(time) - shape.ahead])
-            one = found and _described(found, shape, period, std)
-            if one and one.share <= most:
+            one = found and _described(found, shape, period, std, rounding)
+            if one and (one.rounded or one.share <= most):
                 return one
     return None
 
@@ -140,11 +149,15 @@ def _settled(time: Array) -> NDArray[np.intp]:
 
 
 class _Filter(NamedTuple):
-    """Coefficients, those ahead of the sample first, those of the velocities before it (1, −a₁ …), and what is left."""
+    """Coefficients, those ahead of the sample first, those of the velocities before it (1, −a₁ …), and what is left.
+
+    That is told by its RMS, and by what nearly all samples stay below.
+    """
 
     direct: Array
     recursive: Array
     left: float
+    most: float
 
 
 def _fitted(rough: Array, value: Array, shape: _Shape, rows: NDArray[np.intp]) -> _Filter | None:
@@ -159,10 +172,11 @@ def _fitted(rough: Array, value: Array, shape: _Shape, rows: NDArray[np.intp]) -
         if shape.order and np.abs(np.roots(recursive)).max() >= 1.0:
             return None
     made = np.asarray(lfilter(direct, recursive, np.append(rough, np.zeros(shape.ahead))))[shape.ahead :]
-    return _Filter(direct, recursive, float(np.sqrt(((value - made)[rows] ** 2).mean())))
+    left = (value - made)[rows]
+    return _Filter(direct, recursive, float(np.sqrt((left**2).mean())), float(np.quantile(np.abs(left), _NEARLY)))
 
 
-def _described(found: _Filter, shape: _Shape, period: float, std: float) -> Derived | None:
+def _described(found: _Filter, shape: _Shape, period: float, std: float, rounding: float) -> Derived | None:
     """The filter in words' numbers; None where it passes no steady velocity."""
     pulse = np.eye(1, _TAIL + len(found.direct))[0]
     response = np.asarray(lfilter(found.direct, found.recursive, pulse))
@@ -173,7 +187,8 @@ def _described(found: _Filter, shape: _Shape, period: float, std: float) -> Deri
     passed = np.abs(np.fft.rfft(response, _FREQUENCIES))
     weak = np.flatnonzero(passed < np.sqrt(0.5) * passed[0])
     corner = float(np.fft.rfftfreq(_FREQUENCIES, period)[weak[0]]) if len(weak) else np.inf
-    return Derived(found.left / noise, late * period, corner, period)
+    rounded = found.most <= _ROUNDED * rounding and rounding <= np.sqrt(12) * noise
+    return Derived(found.left / noise, late * period, corner, period, rounded)
 
 
 def _without(log: Log, found: Mapping[str, Note]) -> Log:

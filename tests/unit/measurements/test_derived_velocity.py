@@ -74,6 +74,22 @@ def test_a_velocity_in_coarse_numbers_is_still_that_difference() -> None:
     assert made.share == pytest.approx(0.024 / np.sqrt(12) / (np.sqrt(2) * STD / PERIOD), rel=0.1)
 
 
+def test_a_difference_of_counts_in_whole_rpm_is_found_and_that_of_another_encoder_is_not() -> None:
+    """Two samples apart a count is 1.5 rpm, so that rounding is as large as half of the noise."""
+    time, rpm, made = 0.005 * np.arange(1400), 2 * np.pi / 60, []
+    angles = [1.2 * np.sin(5 * time + phase) + 0.2 * np.sin(17 * time) for phase in (0.0, 0.0002)]
+    counts = [np.floor(angle / (2 * np.pi) * 4000) for angle in angles]
+    for each in counts:
+        velocity = np.append([0.0, 0.0], np.round(1.5 * (each[2:] - each[:-2]))) * rpm
+        place = Signal("q.position", "rad", time, counts[0] * 2 * np.pi / 4000)
+        made.append(derived(place, Signal("q.velocity", "rad/s", time, velocity), 2 * np.pi / 4000 / np.sqrt(12), MOST))
+    assert made[0] is not None
+    assert made[0].rounded
+    assert made[0].delay == pytest.approx(0.005, rel=0.05)
+    assert "to within its own rounding" in made[0].note("q.position", "q.velocity").message
+    assert made[1] is None
+
+
 @pytest.mark.parametrize("noise", [0.0, 1e-3, 0.05])
 def test_a_velocity_with_noise_of_its_own_or_none_is_kept(noise: float) -> None:
     time, angle, velocity = swing()
