@@ -240,12 +240,14 @@ def _unit(
         if settings.gain < left < 1 / settings.gain:
             return said, 1.0, _beside_name(size, known[said], said, settings) if base == "1" else []
     name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
-    if abs(math.log(size / factor)) < math.log(settings.near_unit):
+    # A torque constant is near 1 by chance.
+    other = bool(said) and said not in known and unit_of(said).dimension != unit_of(base).dimension
+    if not other and abs(math.log(size / factor)) < math.log(settings.near_unit):
         contradicts = [f"named {said}, but it moves the joint as {_plain(name)} do."] if said and said != name else []
         return name, 1.0, contradicts
     if settings.gain < size < 1 / settings.gain and stated and not said:
         return base, 1.0, [f"acts {size:.2g} times as strongly as {_plain(base)} would; read as {_plain(base)}."]
-    scale = f"{size:.3g}" if base == "1" else f"{size:.3g} {base}"
+    scale = (f"{size:.3g}" if base == "1" else f"{size:.3g} {base}") + (f" per {said}" if other else "")
     return base, float(f"{size:.3g}"), [f"its scale of {scale} is judged from the motion alone; check it."]
 
 

@@ -11,8 +11,6 @@ from own_robot import URDF, Motion, write_csv
 from dr_lab.__main__ import main
 from dr_lab.proposal.words import asked_for, read_name
 
-AMPERE = 4.0  # N·m/A
-
 
 @pytest.mark.parametrize(("name", "unit"), [("pos_turns", "turn"), ("motor_pos_rev", "turn"), ("scale [µm]", "um")])
 def test_units_of_positions(name: str, unit: str) -> None:
@@ -51,25 +49,28 @@ def test_actual_is_no_actuator_beside_what_is_asked_for() -> None:
     ]
 
 
+@pytest.mark.parametrize(("name", "constant"), [("cur", 4.0), ("cur_mA", 1.05e-3)])
 def test_currents_of_a_description_without_actuators_get_the_scale_that_the_motion_shows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, constant: float
 ) -> None:
-    """Nothing says that they are torques."""
+    """Nothing says that they are torques, not even a torque constant that is nearly 1 mN·m/mA."""
     monkeypatch.chdir(tmp_path)
     Path("two.urdf").write_text(URDF)
-    logs = [str(write_csv(Path(f"logs/{seed}.csv"), _columns(Motion(seed)))) for seed in range(3)]
+    logs = [str(write_csv(Path(f"logs/{seed}.csv"), _columns(Motion(seed), name, constant))) for seed in range(3)]
     assert main(["init", "two.urdf", *logs]) == 0
     found = yaml.safe_load(Path("mine/measurements/two.yaml").read_text(encoding="utf-8"))
     assert {name: output["column"] for name, output in found["outputs"].items()} == {
         "shoulder.position": "J1_act",
         "elbow.position": "J2_act",
     }
-    assert [found["commands"][name]["column"] for name in ("shoulder", "elbow")] == ["J1_cur", "J2_cur"]
-    assert [found["commands"][name]["scale"] for name in ("shoulder", "elbow")] == pytest.approx([AMPERE] * 2, rel=0.3)
+    commands = [found["commands"][joint] for joint in ("shoulder", "elbow")]
+    assert [each["column"] for each in commands] == [f"J1_{name}", f"J2_{name}"]
+    assert [each["unit"] for each in commands] == ["N·m"] * 2
+    assert [each["scale"] for each in commands] == pytest.approx([constant] * 2, rel=0.3)
 
 
-def _columns(motion: Motion) -> dict[str, Any]:
+def _columns(motion: Motion, name: str, constant: float) -> dict[str, Any]:
     asked, place, current = np.degrees(np.roll(motion.position, -9, 0)), np.degrees(motion.position), motion.torque
-    named = {"des": asked, "act": place, "cur": current / AMPERE}
-    columns = {f"J{j + 1}_{name}": values[:, j] for name, values in named.items() for j in range(2)}
+    named = {"des": asked, "act": place, name: current / constant}
+    columns = {f"J{j + 1}_{kind}": values[:, j] for kind, values in named.items() for j in range(2)}
     return {"time": motion.time, **columns}
