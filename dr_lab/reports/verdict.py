@@ -171,14 +171,31 @@ def _remaining(report: GapReport) -> str:
         return f"What remains, {times} the sensors' white noise, is too rough and too even for a force: coloured noise."
     if remaining.status == "at_floor":
         return "What remains is noise."
-    told = f"What remains (χ² {number(remaining.chi2)}) is above the noise floor and not explained"
+    told = f"What remains (χ² {number(remaining.chi2)}) is above the noise floor"
     lost = report.catalogued[-1].held_out.infeasible_windows
     if lost:
         told = f"The simulation diverges in {lost} of the windows that score. {told}"
+    more = _unasked(report)
+    if more:
+        return f"{told}: {times} the sensors' noise. {more}"
+    told = f"{told} and not explained"
     if not report.judged.ranking:
         return f"{told}."
     but = "but a shift in time" if _notes(report, SHORT_SHIFT) else "in the catalogue"
     return f"{told} by anything {but}: {times} the sensors' noise."
+
+
+def _unasked(report: GapReport) -> str:
+    """Why the catalogue may explain more of what remains; empty where all of it was tried beside the last model."""
+    if not report.added:
+        return ""
+    if report.verb in ("diagnose", "add"):
+        return "No other effect was tried beside what was added: `dr-lab close` does that."
+    beside = [rung.chosen for rung in report.judged.rungs[-1:] if {*rung.effects} == {*report.catalogued[-1].effects}]
+    if not any(beside):
+        return ""
+    one = "" if len(beside[0]) == 1 else "One of "
+    return f"{one}{_listed(beside[0])} explains more of it, but `most` left no room: raise it."
 
 
 def _share(report: GapReport) -> str:

@@ -179,6 +179,20 @@ def test_what_no_log_tells_apart_stands_beside_what_is_named(close_report: dict[
     assert f"named:** `coulomb_friction@arm`. {same} " in verdict(close_report)
 
 
+def test_what_the_catalogue_may_explain_besides_is_not_denied(close_report: dict[str, Any]) -> None:
+    """A ladder that ended at its most effects, and verbs that try nothing beside what they add."""
+    close_report["remaining"] = {"status": "unexplained", "chi2": 4.0, "coloured": False}
+    close_report["rungs"][-1] |= {"verdict": "named", "chosen": ["actuator_delay@motor"]}
+    left = "What remains (χ² 4) is above the noise floor: 2 times the sensors' noise. "
+    more = "`actuator_delay@motor` explains more of it, but `most` left no room: raise it."
+    assert verdict(close_report).endswith(left + more)
+    close_report["rungs"][-1]["effects"] = ["coulomb_friction@arm", "payload@pole"]  # does not predict better: dropped
+    assert "not explained by anything in the catalogue" in verdict(close_report)
+    for verb in ("diagnose", "add"):
+        told = verdict(close_report | {"verb": verb})
+        assert f"{left}No other effect was tried beside what was added: `dr-lab close` does that." in told
+
+
 def test_a_shift_that_is_too_short_to_be_named_stands_beside_what_remains(close_report: dict[str, Any]) -> None:
     close_report["remaining"] = {"status": "unexplained", "chi2": 3.99, "coloured": False}
     assert "not explained by anything in the catalogue: 2 times the sensors' noise." in verdict(close_report)
