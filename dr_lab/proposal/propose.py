@@ -9,6 +9,7 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.proposal.against import beyond
 from dr_lab.proposal.counts import doubts_of_counts
+from dr_lab.proposal.cut_off import cut_off
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
@@ -100,6 +101,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
             *far_slides(compiled(spec.copy()), found, settings),
             *_of_commands(found, commands, settings),
+            *cut_off(compiled(spec.copy()), commands),
             *_ranges(compiled(spec.copy()), found),
         ),
     )
