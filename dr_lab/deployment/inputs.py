@@ -28,7 +28,7 @@ def inputs_of(episodes: Sequence[Episode], shown: Sequence[Parameter]) -> tuple[
     seen = np.concatenate([episode.observation for episode in episodes])
     known = list(_known(episodes))
     count = seen.shape[1] - len(shown)
-    found = [next((name for name, value in known if _same(seen[:, i], value)), None) for i in range(count)]
+    found = [_named(seen[:, i], known) for i in range(count)]
     return (*found, *(f"{p.name}: ({_value(p)} − {p.low:g}) / {p.high - p.low:g}" for p in shown))
 
 
@@ -36,8 +36,11 @@ def _value(parameter: Parameter) -> str:
     return f"value in {parameter.unit}" if parameter.unit not in ("", "1") else "value"
 
 
-def _same(column: Array, value: Array) -> bool:
-    return bool(np.ptp(column) > 0) and bool(np.allclose(column, value, rtol=_ROUNDING, atol=_ROUNDING))
+def _named(column: Array, known: Sequence[tuple[str, Array]]) -> str | None:
+    """What a column equals, and the nearest of several: a small angle is its own sine but for a little."""
+    same = (each for each in known if np.allclose(column, each[1], rtol=_ROUNDING, atol=_ROUNDING))
+    apart = {name: float(np.abs(column - value.astype(column.dtype)).max()) for name, value in same}
+    return min(apart, key=apart.__getitem__, default=None) if np.ptp(column) > 0 else None
 
 
 def _known(episodes: Sequence[Episode]) -> Iterator[tuple[str, Array]]:

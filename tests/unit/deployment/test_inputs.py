@@ -1,5 +1,8 @@
 """What each input of a policy is, and the names of a machine's columns."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
@@ -38,6 +41,16 @@ def test_inputs_that_are_a_state_or_the_sine_of_an_angle_are_named() -> None:
     found = inputs_of([moved(observe), moved(observe, seed=1)], ())
     angles = ["sin(pole position)", "cos(pole position)"]
     assert found == ("rail position [m]", *angles, "rail velocity [m/s]", "pole velocity [rad/s]")
+
+
+def test_a_small_angle_is_told_from_its_sine() -> None:
+    def still(observe: Callable[[Array], Array]) -> tuple[str | None, ...]:
+        episode = moved(lambda q, v: q + v)
+        qpos = 0.01 * episode.qpos
+        return inputs_of([replace(episode, qpos=qpos, observation=observe(qpos).astype(np.float32))], ())
+
+    assert still(np.sin)[1] == "sin(pole position)"
+    assert still(np.array)[1] == "pole position [rad]"
 
 
 def test_what_is_made_of_several_has_no_name() -> None:
