@@ -87,6 +87,36 @@ class Instruments:
         queue = self.transport_spacing * np.arange(len(host))
         return np.asarray(np.maximum.accumulate(host + late - queue) + queue, dtype=np.float64)
 
+    def read(self, position: Array, turns: Array, generator: np.random.Generator) -> Array:
+        """Positions in rad or m as the encoders read them, shape (n, joints).
+
+        Args:
+            position: rad or m, shape (n, joints).
+            turns: angle of each encoder a unit of its joint's position, rad/rad or rad/m, shape (joints,).
+            generator: of the noise.
+        """
+        return self.encode(self.disturbed(position * turns, generator)) / turns
+
+    def reported(
+        self, stamp: Array, read: Array, velocity: Array, turns: Array, generator: np.random.Generator
+    ) -> Array | None:
+        """Velocities in rad/s or m/s as they are logged, shape (n, joints); None where none are.
+
+        Args:
+            stamp: of the samples, s, shape (n,).
+            read: what the encoders read then, rad or m, shape (n, joints).
+            velocity: true ones, rad/s or m/s, shape (n, joints).
+            turns: as of `read`.
+            generator: of the noise.
+        """
+        match self.velocity:
+            case FilteredDifference() as drive:
+                return drive.velocity(stamp, read, self.sample_rate)
+            case Tachometers() as axes:
+                return axes.measured(velocity * turns, generator) / turns
+            case None:
+                return None
+
     def disturbed(self, angle: Array, generator: np.random.Generator) -> Array:
         """Angles in rad with the encoder's noise, shape (n, joints)."""
         if self.noise is None:

@@ -8,7 +8,6 @@ import numpy as np
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.plants.body import Body
 from dr_lab.plants.excitation import SinesAndSteps
-from dr_lab.plants.filtered_difference import FilteredDifference
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.instruments import Instruments, RobotClock
 from dr_lab.plants.machine import Machine
@@ -141,7 +140,7 @@ class Rig:
         position, velocity, command = self.played(machine, after, sampled - start, wish)
         issued = start + after
         tools, stamp = self.instruments, clock.read(sampled)
-        position = self._encoded(position, stream(seed, name, "noise"))
+        position = tools.read(position, self.turns, stream(seed, name, "noise"))
         return RigRecording(
             name=name,
             stamp=stamp,
@@ -149,7 +148,7 @@ class Rig:
             position=position,
             command_time=issued[:: tools.logged_every],
             command=command[:: tools.logged_every],
-            velocity=self._reported(stamp, position, velocity, stream(seed, name, "velocity")),
+            velocity=tools.reported(stamp, position, velocity, self.turns, stream(seed, name, "velocity")),
         )
 
     def asked(self, seed: int, number: int) -> tuple[Array, Array]:
@@ -217,18 +216,3 @@ class Rig:
     def turns(self) -> Array:
         """Angle of each joint's encoder a unit of its position, rad/rad or rad/m, shape (joints,)."""
         return np.array([2 * np.pi / self.travel[joint] if joint in self.travel else 1.0 for joint in self.joints])
-
-    def _encoded(self, position: Array, generator: np.random.Generator) -> Array:
-        angle = self.instruments.disturbed(position * self.turns, generator)
-        return self.instruments.encode(angle) / self.turns
-
-    def _reported(self, stamp: Array, position: Array, velocity: Array, generator: np.random.Generator) -> Array | None:
-        """Velocities as they are logged, from encoder readings or from true velocities; None where none are."""
-        tools = self.instruments
-        match tools.velocity:
-            case FilteredDifference() as drive:
-                return drive.velocity(stamp, position, tools.sample_rate)
-            case Tachometers() as axes:
-                return axes.measured(velocity * self.turns, generator) / self.turns
-            case None:
-                return None

@@ -9,6 +9,7 @@ import numpy as np
 import yaml
 
 from dr_lab.bounds import Positive, above, below, require_bounds
+from dr_lab.channel_names import POSITION, VELOCITY
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.effects.effect import Effect
 from dr_lab.effects.named import require_possible, with_named_effects
@@ -45,9 +46,10 @@ class ModelSource:
         shares: size of the commands of log_1, log_2 … relative to the peaks; their number is the number of logs.
         duration: length of a log in s.
         excitation: shape of each command.
-        instruments: rates, encoders, clocks and latencies.
+        instruments: rates, encoders, velocities, clocks and latencies.
         travel: m that a slide moves in one revolution of its encoder.
-        joint_topic: topic of the encoder readings, ``sensor_msgs/msg/JointState`` with positions only.
+        joint_topic: topic of the encoder readings, ``sensor_msgs/msg/JointState``; velocities only where the
+            instruments report them.
         command_topic: each command goes to ``<command_topic>/<actuator>``, ``std_msgs/msg/Float64MultiArray``.
 
     Raises:
@@ -145,17 +147,24 @@ class ModelSource:
         }
         acting = {a: Signal(a, "", issued + tools.actuation_latency, value) for a, value in values.items()}
         names = _recorded(compiled)
-        shown = readings(machine, z, self._start(), acting, [f"{joint}.position" for joint in names], sampled)
-        position = np.concatenate(list(shown.values()), axis=1)
+        channels = [f"{joint}.{what}" for what in (POSITION, VELOCITY) for joint in names]
+        shown = readings(machine, z, self._start(), acting, channels, sampled)
+        position, velocity = np.split(np.concatenate([shown[name] for name in channels], axis=1), 2, axis=1)
         turns = np.array([2 * np.pi / self.travel if _slides(compiled, joint) else 1.0 for joint in names])
+        stamp, read = self._clock(seed).read(sampled), tools.read(position, turns, stream(seed, name, "noise"))
         states = JointStates(
             topic=self.joint_topic,
             names=names,
-            stamp=self._clock(seed).read(sampled),
+            stamp=stamp,
             log_time=tools.arrival(sampled, stream(seed, name, "transport")),
-            position=tools.encode(position * turns) / turns,
+            position=read,
+            velocity=tools.reported(stamp, read, velocity, turns, stream(seed, name, "velocity")),
         )
-        sent = [FloatArrays(f"{self.command_topic}/{a}", (a,), issued, value[:, None]) for a, value in values.items()]
+        every = slice(None, None, tools.logged_every)
+        sent = [
+            FloatArrays(f"{self.command_topic}/{a}", (a,), issued[every], value[every, None])
+            for a, value in values.items()
+        ]
         return NamedLog(name, (states, *sent), {"source": "simulated machine"})
 
     def _ranges(self) -> dict[str, tuple[float, float]]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import yaml
 
+from dr_lab.channel_names import POSITION, VELOCITY
 from dr_lab.plants.instruments import Instruments
 
 _NAME = "recorded"
@@ -37,6 +38,7 @@ class RecordedMap:
         """The yaml; latencies are known of the bench, noise is estimated."""
         names = [f"log_{index + 1}" for index in range(self.count)]
         fitted = self.count - self.count // _LOGS_PER_HELD_OUT
+        measured = {POSITION: ""} | ({} if instruments.velocity is None else {VELOCITY: "/s"})
         content: dict[str, Any] = {
             "defaults": [{"/data_contract@contract": "default"}, "_self_"],
             "_target_": "dr_lab.measurements.read.read",
@@ -46,12 +48,13 @@ class RecordedMap:
             "held_out": names[fitted:],
             "clock": "header",
             "outputs": {
-                f"{joint}.position": {
+                f"{joint}.{what}": {
                     "topic": joint_topic,
-                    "field": f"position[{joint}]",
-                    "unit": "m" if slide else "rad",
+                    "field": f"{what}[{joint}]",
+                    "unit": f"{'m' if slide else 'rad'}{each}",
                     "latency": instruments.transport_latency,
                 }
+                for what, each in measured.items()
                 for joint, slide in self.slides.items()
             },
             "commands": {

@@ -146,6 +146,24 @@ def test_encoders_count(tmp_path: Path, joint: str, count: float) -> None:
     assert len(np.unique(counts.round())) > 20
 
 
+def test_instruments_disturb_measure_and_log_as_on_a_bench(tmp_path: Path) -> None:
+    def recorded(instruments: str, *overrides: str) -> MeasurementSet:
+        chosen = source(MOTOR, *ON_STEPS, f"plant/instruments={instruments}", *overrides)
+        return logs(tmp_path / instruments, chosen)
+
+    true, seen = recorded("exact").fit[0], recorded("tachometers").fit[0]
+    positions_of = [name for name in true.outputs if name.endswith(".position")]
+    assert sorted(seen.outputs) == sorted(["arm.velocity", "pole.velocity", *positions_of])
+    for name in positions_of:
+        noise = seen.outputs[name].value - true.outputs[name].value
+        assert noise.std() == pytest.approx(2e-4, rel=0.15)
+    speed = seen.outputs["arm.velocity"]
+    assert speed.unit == "rad/s"
+    turned = np.gradient(true.outputs["arm.position"].value, true.outputs["arm.position"].time)
+    assert (speed.value - turned)[5:-5].std() == pytest.approx(0.02, rel=0.3)
+    assert len(recorded("sparse").fit[0].commands["motor"]) == pytest.approx(len(true.commands["motor"]) / 5, abs=1)
+
+
 def test_commands_fill_the_range_about_its_middle(tmp_path: Path) -> None:
     measured = logs(tmp_path, valve("hinge"))
     for log, share in zip((*measured.fit, *measured.held_out), (1.0, 0.8, 0.6), strict=True):
