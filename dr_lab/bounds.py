@@ -85,6 +85,9 @@ def _is_list(values: Any, count: int | None) -> Sequence[Any] | None:  # noqa: A
 ORDERED = Bound(
     lambda values: _is_list(values, 2) is not None and values[0] < values[1], "[lowest, highest], lowest < highest"
 )
+RISING = Bound(
+    lambda values: _is_list(values, 2) is not None and values[0] <= values[1], "[lowest, highest], lowest <= highest"
+)
 Finite = Annotated[float, FINITE]
 Positive = Annotated[float, above(0.0), FINITE]
 NotNegative = Annotated[float, at_least(0.0), FINITE]

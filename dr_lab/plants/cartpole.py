@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dr_lab.bounds import Finite, NotNegative, Positive
 from dr_lab.plants.drive import Motor
 from dr_lab.plants.lagrangian import LagrangianMachine
 from dr_lab.plants.machine import Matrix, Vector
@@ -77,19 +78,19 @@ class CartPoleNominal(Nominal):
         gravity: m/s².
     """
 
-    cart_mass: float
-    cart_damping: float
-    pole_mass: float
-    pole_length: float
-    pole_damping: float
-    motor_constant: float
-    motor_resistance: float
-    motor_efficiency: float
-    gear: float
-    gear_efficiency: float
-    pinion: float
-    rotor: float
-    gravity: float
+    cart_mass: Positive
+    cart_damping: NotNegative
+    pole_mass: Positive
+    pole_length: Positive
+    pole_damping: NotNegative
+    motor_constant: Positive
+    motor_resistance: Positive
+    motor_efficiency: Positive
+    gear: Positive
+    gear_efficiency: Positive
+    pinion: Positive
+    rotor: NotNegative
+    gravity: Finite
 
     def documented(self) -> dict[str, float]:
         """Masses (kg) and dampings (N·s/m and N·m·s/rad)."""

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dr_lab.bounds import Finite, NotNegative, Positive
 from dr_lab.plants.drive import ForceDrive
 from dr_lab.plants.lagrangian import LagrangianMachine
 from dr_lab.plants.machine import Matrix, Vector
@@ -96,16 +97,16 @@ class DoublePendulumNominal(Nominal):
         gravity: m/s².
     """
 
-    mass1: float
-    centre1: float
-    inertia1: float
-    length1: float
-    mass2: float
-    centre2: float
-    inertia2: float
-    rotor: float
-    gear: float
-    gravity: float
+    mass1: Positive
+    centre1: NotNegative
+    inertia1: NotNegative
+    length1: Positive
+    mass2: Positive
+    centre2: NotNegative
+    inertia2: NotNegative
+    rotor: NotNegative
+    gear: Positive
+    gravity: Finite
 
     def documented(self) -> dict[str, float]:
         """Masses (kg) and shares of the inertias about the centres (1)."""

@@ -1,9 +1,12 @@
 """What is asked of an actuator in one experiment."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from dr_lab.bounds import FINITE, RISING, Count, NotNegative, Positive, above, numbers
 from dr_lab.trajectory import Array
 
 
@@ -24,12 +27,12 @@ class SinesAndSteps:
         limit: size that the command never exceeds, in its unit; None sets no limit.
     """
 
-    sines: int
-    lowest: float
-    highest: float
-    step_share: float
-    hold: tuple[float, float]
-    limit: float | None
+    sines: Count
+    lowest: Positive
+    highest: Positive
+    step_share: NotNegative
+    hold: Annotated[Sequence[float], numbers(2, FINITE, above(0.0)), RISING]
+    limit: Annotated[float | None, above(0.0)]
 
     def command(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
         """The command at each time, in the peak's unit.
@@ -49,8 +52,9 @@ class SinesAndSteps:
         return np.clip(peak * wish / np.abs(wish).max(), -limit, limit)
 
     def _steps(self, time: Array, generator: np.random.Generator) -> Array:
-        most = int(np.ceil((time[-1] - time[0]) / (2 * self.hold[0]))) + 1
-        holds = np.repeat(generator.uniform(*self.hold, most), 2)
+        shortest, longest = self.hold
+        most = int(np.ceil((time[-1] - time[0]) / (2 * shortest))) + 1
+        holds = np.repeat(generator.uniform(shortest, longest, most), 2)
         levels = np.repeat(generator.uniform(-self.step_share, self.step_share, most), 2)
         levels[1::2] *= -1
         ends = time[0] + np.cumsum(holds)

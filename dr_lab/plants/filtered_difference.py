@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
+from dr_lab.bounds import Positive
 from dr_lab.trajectory import Array
 
 
@@ -16,7 +17,7 @@ class FilteredDifference:
         corner: of the filter, Hz.
     """
 
-    corner: float
+    corner: Positive
 
     def velocity(self, time: Array, reading: Array, rate: float) -> Array:
         """Velocity in rad/s or m/s, shape of `reading`.

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dr_lab.bounds import Finite, NotNegative, Positive
 from dr_lab.plants.drive import Motor
 from dr_lab.plants.lagrangian import LagrangianMachine
 from dr_lab.plants.machine import Matrix, Vector
@@ -90,15 +91,15 @@ class FurutaNominal(Nominal):
         gravity: m/s².
     """
 
-    arm_mass: float
-    arm_length: float
-    arm_damping: float
-    pole_mass: float
-    pole_length: float
-    pole_damping: float
-    motor_constant: float
-    motor_resistance: float
-    gravity: float
+    arm_mass: Positive
+    arm_length: Positive
+    arm_damping: NotNegative
+    pole_mass: Positive
+    pole_length: Positive
+    pole_damping: NotNegative
+    motor_constant: Positive
+    motor_resistance: Positive
+    gravity: Finite
 
     def documented(self) -> dict[str, float]:
         """Masses (kg) and dampings (N·m·s/rad)."""

@@ -1,9 +1,12 @@
 """What stands between the machine and its log: encoders, clocks, transport and the driver's own latency."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from dr_lab.bounds import FINITE, RISING, Count, NotNegative, Positive, at_least, numbers
 from dr_lab.plants.filtered_difference import FilteredDifference
 from dr_lab.plants.noise import Noise
 from dr_lab.plants.tachometers import Tachometers
@@ -50,20 +53,20 @@ class Instruments:
         logged_every: of so many commands one is logged.
     """
 
-    sample_rate: float
-    sample_jitter: float
-    command_rate: float
-    command_jitter: float
-    counts: int | None
-    clock_offset: tuple[float, float]
-    clock_drift: tuple[float, float]
-    transport_latency: float
-    transport_jitter: float
-    transport_spacing: float
-    actuation_latency: float
+    sample_rate: Positive
+    sample_jitter: NotNegative
+    command_rate: Positive
+    command_jitter: NotNegative
+    counts: Annotated[int | None, at_least(1)]
+    clock_offset: Annotated[Sequence[float], numbers(2, FINITE), RISING]
+    clock_drift: Annotated[Sequence[float], numbers(2, FINITE), RISING]
+    transport_latency: NotNegative
+    transport_jitter: NotNegative
+    transport_spacing: NotNegative
+    actuation_latency: NotNegative
     noise: Noise | None = None
     velocity: FilteredDifference | Tachometers | None = None
-    logged_every: int = 1
+    logged_every: Count = 1
 
     def sample_times(self, duration: float, generator: np.random.Generator) -> Array:
         """Instants in s after the start at which the encoders are read."""
@@ -79,7 +82,8 @@ class Instruments:
     def clock(self, epoch: float, generator: np.random.Generator) -> RobotClock:
         """A robot's clock."""
         sign = 1.0 if generator.random() < 0.5 else -1.0
-        return RobotClock(generator.uniform(*self.clock_offset), sign * generator.uniform(*self.clock_drift), epoch)
+        offset, drift = (generator.uniform(low, high) for low, high in (self.clock_offset, self.clock_drift))
+        return RobotClock(offset, sign * drift, epoch)
 
     def arrival(self, host: Array, generator: np.random.Generator) -> Array:
         """Host times in s at which samples taken at host times arrive in the log, in order."""

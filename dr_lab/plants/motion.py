@@ -8,6 +8,7 @@ import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import root_scalar
 
+from dr_lab.bounds import Positive
 from dr_lab.errors import DataError
 from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
@@ -33,9 +34,9 @@ class Accuracy:
         longest_step: s; within a step the states come from an interpolant, whose error only a short step keeps down.
     """
 
-    relative: float
-    absolute: float
-    longest_step: float
+    relative: Positive
+    absolute: Positive
+    longest_step: Positive
 
 
 def simulate(

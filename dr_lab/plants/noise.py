@@ -6,6 +6,8 @@ from typing import Protocol
 import numpy as np
 from scipy.signal import butter, lfilter, sosfilt
 
+from dr_lab.bounds import NotNegative, Positive
+from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Array
 
 
@@ -32,7 +34,7 @@ class WhiteNoise:
         std: rad.
     """
 
-    std: float
+    std: NotNegative
 
     def draw(self, count: int, rate: float, generator: np.random.Generator) -> Array:
         """Independent samples."""
@@ -54,8 +56,8 @@ class CorrelatedNoise:
         time: s, after which the correlation has fallen to 1/e.
     """
 
-    std: float
-    time: float
+    std: NotNegative
+    time: Positive
 
     def draw(self, count: int, rate: float, generator: np.random.Generator) -> Array:
         """An Ornstein–Uhlenbeck process that is stationary from the first sample on."""
@@ -80,10 +82,13 @@ class LowPassedNoise:
     Attributes:
         std: rad, after the filter.
         corner: Hz, below half of the sample rate.
+
+    Raises:
+        ConfigError: it is not, at the rate at which noise is drawn.
     """
 
-    std: float
-    corner: float
+    std: NotNegative
+    corner: Positive
 
     def draw(self, count: int, rate: float, generator: np.random.Generator) -> Array:
         """Filtered noise, its first samples, in which the filter settles, cut off."""
@@ -98,4 +103,9 @@ class LowPassedNoise:
         return float(self.std / np.sqrt(response @ response))
 
     def _filter(self, rate: float) -> Array:
+        if self.corner >= rate / 2:
+            raise ConfigError(
+                f"The noise has its corner at {self.corner:g} Hz; expected less than half of the sample rate, which is "
+                f"{rate:g} Hz. Lower the instruments' noise.corner, or raise their sample_rate."
+            )
         return np.asarray(butter(2, self.corner, fs=rate, output="sos"))

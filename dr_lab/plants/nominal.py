@@ -3,7 +3,9 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
+from dr_lab.bounds import at_least, below
 from dr_lab.plants.machine import Machine
 from dr_lab.seeding import stream
 
@@ -16,7 +18,7 @@ class Nominal(ABC):
         spread: the true values of what is not exactly known lie within ± this share of the documented ones.
     """
 
-    spread: float
+    spread: Annotated[float, at_least(0.0), below(1.0)]
 
     @abstractmethod
     def documented(self) -> dict[str, float]:

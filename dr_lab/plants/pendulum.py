@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from dr_lab.bounds import Finite, NotNegative, Positive
 from dr_lab.plants.drive import ForceDrive
 from dr_lab.plants.lagrangian import LagrangianMachine
 from dr_lab.plants.machine import Matrix, Vector
@@ -52,11 +53,11 @@ class PendulumNominal(Nominal):
         gravity: m/s².
     """
 
-    mass: float
-    centre: float
-    inertia: float
-    rotor: float
-    gravity: float
+    mass: Positive
+    centre: NotNegative
+    inertia: NotNegative
+    rotor: NotNegative
+    gravity: Finite
 
     def documented(self) -> dict[str, float]:
         """Mass (kg) and centre (m)."""

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from dr_lab.bounds import FINITE, NotNegative, Positive, numbers
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.plants.body import Body
 from dr_lab.plants.excitation import SinesAndSteps
@@ -75,12 +77,12 @@ class Rig:
     hidden: HiddenEffect
     excitation: SinesAndSteps
     operator: Operator
-    peaks: Sequence[float]
+    peaks: Annotated[Sequence[float], numbers(None, FINITE)]
     shares: Mapping[str, float]
     start: Mapping[str, float]
-    duration: float
-    pause: float
-    epoch: float
+    duration: Positive
+    pause: NotNegative
+    epoch: NotNegative
     instruments: Instruments
     travel: Mapping[str, float]
     accuracy: Accuracy

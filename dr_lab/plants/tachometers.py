@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dr_lab.bounds import NotNegative
 from dr_lab.trajectory import Array
 
 
@@ -18,7 +19,7 @@ class Tachometers:
         std: rad/s.
     """
 
-    std: float
+    std: NotNegative
 
     def measured(self, speed: Array, generator: np.random.Generator) -> Array:
         """What is read of angular velocities in rad/s, shape (n, joints)."""

@@ -66,6 +66,30 @@ def test_every_actuator_and_joint_is_read_back_under_its_name(tmp_path: Path) ->
         np.testing.assert_allclose(read, recording.position[:, column], rtol=0, atol=np.pi / 2048 + 1e-9)
 
 
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("plant.instruments.counts=0", "plant.instruments.counts is 0; expected at least 1"),
+        ("plant.instruments.clock_drift=[6e-5,2e-5]", "expected [lowest, highest], lowest <= highest"),
+        ("plant.instruments.clock_offset=[1.0]", "plant.instruments.clock_offset is [1.0]; expected 2 finite numbers"),
+        ("plant.excitation.lowest=0", "plant.excitation.lowest is 0; expected a number above 0"),
+        (
+            "plant.excitation.hold=[0,0.5]",
+            "plant.excitation.hold is [0, 0.5]; expected 2 finite numbers, each a number",
+        ),
+        ("plant.nominal.arm_mass=-1", "plant.nominal.arm_mass is -1; expected a number above 0"),
+        ("plant.accuracy.longest_step=0", "plant.accuracy.longest_step is 0; expected a number above 0"),
+        ("plant.duration=inf", "plant.duration is inf; expected a finite number"),
+        ("plant.peaks=[nan]", "plant.peaks is [nan]; expected finite numbers"),
+    ],
+)
+def test_numbers_that_no_bench_has_are_refused(
+    override: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["record", override, f"outputs={tmp_path}"]) == 2
+    assert said in capsys.readouterr().err
+
+
 def test_the_truth_is_written_down(recorded: Path) -> None:
     truth = yaml.safe_load((recorded / "truth.yaml").read_text(encoding="utf-8"))
     assert truth["seed"] == 3

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
 from dr_lab.cli.compose import compose
+from dr_lab.errors import ConfigError
 from dr_lab.plants.filtered_difference import FilteredDifference
 from dr_lab.plants.noise import CorrelatedNoise, LowPassedNoise, Noise, WhiteNoise
 from dr_lab.plants.rig import Rig
@@ -41,6 +42,11 @@ def test_correlation_falls_to_a_share_of_e() -> None:
 def test_white_noise_is_its_own_equal() -> None:
     assert WhiteNoise(STD).white_equal(RATE) == STD
     assert WhiteNoise(STD).draw(COUNT, RATE, np.random.default_rng(4)).std() == pytest.approx(STD, rel=0.01)
+
+
+def test_a_corner_that_no_samples_show_is_refused() -> None:
+    with pytest.raises(ConfigError, match="corner at 300 Hz; expected less than half of the sample rate, which is 500"):
+        LowPassedNoise(STD, 300.0).draw(COUNT, 500.0, np.random.default_rng(5))
 
 
 def test_filtered_differences_of_even_motion_settle_exponentially() -> None:
