@@ -73,5 +73,5 @@ def _require_values(override: Override) -> None:
             f"{override.input_line} leaves the value to a search: hydra/sweeper=study or hparams_search=NAME. For one "
             f"job a value list them: {override.get_key_element()}=VALUE,VALUE"
         )
-    if next(iter(override.sweep_iterator()), None) is None:
+    if not list(override.sweep_iterator()):  # of which null is a value
         raise ConfigError(f"{override.input_line} holds no value, so there is no job.")

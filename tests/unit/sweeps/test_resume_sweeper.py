@@ -132,6 +132,13 @@ def test_nothing_begins_where_one_job_cannot_be_run(
     assert not (tmp_path / "swept").exists()
 
 
+def test_null_is_a_value_like_others(sweep: Sweep, tmp_path: Path) -> None:
+    (tmp_path / "earlier").mkdir()
+    (tmp_path / "earlier" / "steps.txt").write_text("2", encoding="utf-8")
+    assert sweep("resume=null,earlier") == 0
+    assert [report(tmp_path / "swept" / job)["begun_at_step"] for job in "01"] == [0, 2]
+
+
 @pytest.mark.parametrize(
     ("typed", "message"),
     [
