@@ -80,7 +80,7 @@ class StudySweeper(DrLabSweeper):
 
         Raises:
             ConfigError: no trial could be run, or the folder holds another study, or another command drives it.
-            SweepError: trials died, or none was completed.
+            SweepError: trials died, or none was completed with a finite objective.
         """
         from hydra_plugins._dr_lab_search_space import corners, search_space  # noqa: PLC0415  likewise
 
@@ -158,7 +158,9 @@ class StudySweeper(DrLabSweeper):
         require_completed(self.shown, [job for job in jobs if job not in failed], standing, ended_early)
         best = study.best()
         if not best:
-            raise SweepError(f"No trial of the study in {self.shown} was completed; {TABLE_FILE} lists them.")
+            completed = any(status.state == "completed" for status in standing.values())
+            what = f"reached a finite {', '.join(self.objective)}" if completed else "was completed"
+            raise SweepError(f"No trial of the study in {self.shown} {what}; {TABLE_FILE} lists them.")
         entries = [self._described(entry, jobs) for entry in best]
         write_text(self.folder / BEST_FILE, yaml.safe_dump(entries, sort_keys=False, allow_unicode=True))
         print(f"\n{len(study)} trials: {self.shown / TABLE_FILE}. Best, also in {BEST_FILE}:")

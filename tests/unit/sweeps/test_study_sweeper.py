@@ -86,6 +86,14 @@ def test_nothing_is_proposed_after_a_failure_where_that_is_wanted(sweep: Sweep, 
     assert [row["status"] for row in table(tmp_path / "swept")] == ["failed"]
 
 
+def test_trials_without_a_finite_objective_are_told_from_those_that_failed(
+    sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep(*STUDY, "value=nan,inf", "hydra.sweeper.n_trials=1") == 2
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["completed"]
+    assert "No trial of the study in swept reached a finite score; sweep.csv" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")
 def test_several_objectives_give_those_that_none_beats(sweep: Sweep, tmp_path: Path) -> None:
