@@ -28,7 +28,7 @@ from dr_lab.sweeps.sweep import JOURNAL_FILE
 
 _LOCK_FILE = ".study.lock"
 _NAME = "study"
-_OBJECTIVE = "objective"  # attribute of the study
+_OBJECTIVE, _EXHAUSTED = "objective", "exhausted"  # attributes of the study
 
 Value = str | int | float | bool | None
 Sampler = Callable[..., BaseSampler]
@@ -76,7 +76,7 @@ class SweepStudy:
         seed: of all proposals.
 
     Attributes:
-        exhausted: the sampler has tried everything.
+        exhausted: the sampler has tried everything in the space, in this command or an earlier one.
 
     Raises:
         ConfigError: the study in the folder has other objectives.
@@ -103,7 +103,8 @@ class SweepStudy:
                     f"The study in {folder} has {key}={found[key]}, not {value}. Keep them, or begin another study: "
                     "hydra.sweep.dir=…"
                 )
-        self.exhausted = False
+        self._whole = f"{type(sampler(seed=seed)).__name__} of {dict(space)}"
+        self.exhausted = found.get(_EXHAUSTED) == self._whole
         self._objective = list(objective)
         self._folder, self._space, self._sampler, self._seed = folder, space, sampler, seed
 
@@ -151,6 +152,7 @@ class SweepStudy:
             if "Study.stop" not in str(error):
                 raise
             self.exhausted = True
+            self._study.set_user_attr(_EXHAUSTED, self._whole)
 
     def best(self) -> list[Best]:
         """The trials that none beats in every objective; one of them where there is a single objective."""

@@ -80,6 +80,16 @@ def test_failed_and_pruned_trials_count(sweep: Sweep, sweeps: Sweeps, tmp_path: 
     assert states == {1: "failed", 3: "completed", 7: "pruned", 8: "pruned"}
 
 
+@pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")
+def test_a_space_that_was_tried_throughout_stays_so(
+    sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for _ in range(2):
+        assert sweep(*STUDY, BRUTE_FORCE, "value=1,2", "hydra.sweeper.n_trials=6") == 0
+        assert sorted(row["value"] for row in table(tmp_path / "swept")) == ["1", "2"]
+    assert "2 trials: swept/sweep.csv" in capsys.readouterr().out
+
+
 def test_nothing_is_proposed_after_a_failure_where_that_is_wanted(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
     (sweeps.trouble / "fails_1").touch()
     assert sweep(*STUDY, "value=choice(1)", "hydra.sweeper.n_trials=3", "hydra.sweeper.fail_fast=true") == 2
