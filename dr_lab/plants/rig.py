@@ -68,8 +68,8 @@ class Rig:
         series: what logs are called before their number: log_1, log_2 ….
 
     Raises:
-        ConfigError: no log is asked for, or one too short for a command and a sample; velocities are filtered that
-            nothing measures.
+        ConfigError: no log is asked for, or one too short for a command and a sample; a slide does not move in a
+            revolution of its encoder; velocities are filtered that nothing measures.
         UnknownNameError: the machine has no such joint or actuator.
     """
 
@@ -100,6 +100,9 @@ class Rig:
                 f"Hidden effect {self.hidden.label} filters measured velocities; these instruments measure none. "
                 "Give plant/instruments=tachometers."
             )
+        for joint, way in self.travel.items():
+            if not way > 0:
+                raise ConfigError(f"plant.travel: {joint} is {way:g} m; expected a number above 0.")
         for kind, given, known in (
             ("joint", self.start, self.joints),
             ("joint", self.travel, self.joints),

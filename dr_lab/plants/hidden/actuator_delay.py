@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 
@@ -17,7 +18,7 @@ class ActuatorDelay(HiddenEffect):
     """
 
     name: ClassVar[str] = "actuator_delay"
-    delay: float
+    delay: NotNegative
     site: str = "motor"
 
     def command(self, actuator: str, command: Command) -> Command:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.memory import SlowCommand
 
@@ -17,7 +18,7 @@ class ActuatorLag(HiddenEffect):
     """
 
     name: ClassVar[str] = "actuator_lag"
-    constant: float
+    constant: Positive
     site: str = "motor"
 
     def memories(self) -> tuple[SlowCommand, ...]:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.plants.hidden.motor_apart import MotorApart
 
 
@@ -19,9 +20,9 @@ class Backlash(MotorApart):
     """
 
     name: ClassVar[str] = "backlash"
-    gap: float
-    stiffness: float
-    damping: float
+    gap: NotNegative
+    stiffness: Positive
+    damping: NotNegative
 
     def pull(self, ahead: float, faster: float) -> float:
         """Of the flank that the motor presses."""

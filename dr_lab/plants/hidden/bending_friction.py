@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.memory import Bristle
 
@@ -20,9 +21,9 @@ class BendingFriction(HiddenEffect):
 
     name: ClassVar[str] = "presliding_friction"
     site: str
-    torque: float
-    stiffness: float
-    damping: float
+    torque: Positive
+    stiffness: Positive
+    damping: NotNegative
 
     def memories(self) -> tuple[Bristle, ...]:
         """How far the bristles are bent."""

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 
@@ -20,8 +21,8 @@ class CommandPower(HiddenEffect):
     """
 
     name: ClassVar[str] = "command_power"
-    full: float
-    exponent: float = 2.0
+    full: Positive
+    exponent: Positive = 2.0
     site: str = "motor"
 
     def command(self, actuator: str, command: Command) -> Command:

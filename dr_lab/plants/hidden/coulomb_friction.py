@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative
 from dr_lab.plants.dry_friction import DryFriction
 from dr_lab.plants.hidden.effect import HiddenEffect
 
@@ -18,7 +19,7 @@ class CoulombFriction(HiddenEffect):
 
     name: ClassVar[str] = "coulomb_friction"
     site: str
-    torque: float
+    torque: NotNegative
 
     def frictions(self) -> tuple[DryFriction, ...]:
         """The same friction at rest and at any speed."""

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.plants.hidden.effect import JointForce
 
 
@@ -22,8 +23,8 @@ class CreepingFriction(JointForce):
 
     name: ClassVar[str] = "coulomb_friction"
     site: str
-    torque: float
-    creep: float
+    torque: NotNegative
+    creep: Positive
 
     def force(self, time: float, position: float, velocity: float) -> float:
         """Friction at the joint."""

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dr_lab.bounds import NotNegative
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 
@@ -19,7 +20,7 @@ class DeadZone(HiddenEffect):
     """
 
     name: ClassVar[str] = "dead_zone"
-    width: float
+    width: NotNegative
     site: str = "motor"
 
     def command(self, actuator: str, command: Command) -> Command:

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.trajectory import Array
 
@@ -24,7 +25,7 @@ class EncoderEccentricity(HiddenEffect):
     site: str
     sine: float
     cosine: float
-    periods: float = 1.0
+    periods: Positive = 1.0
 
     def reading(self, joint: str, time: Array, position: Array) -> Array:
         """The disc's angle."""

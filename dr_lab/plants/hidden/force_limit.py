@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.drive_law import DriveLaw
 
 
@@ -15,7 +16,7 @@ class ForceLimit(DriveLaw):
     """
 
     name: ClassVar[str] = "force_limit"
-    limit: float
+    limit: Positive
 
     def _added(self, drive: float, outside: float, velocity: float) -> float:
         del outside, velocity

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.memory import Bristle
 
@@ -21,8 +22,8 @@ class Hysteresis(HiddenEffect):
 
     name: ClassVar[str] = "hysteresis"
     site: str
-    torque: float
-    displacement: float
+    torque: NotNegative
+    displacement: Positive
 
     def memories(self) -> tuple[Bristle, ...]:
         """How far the spring is bent."""

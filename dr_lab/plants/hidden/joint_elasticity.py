@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.plants.hidden.motor_apart import MotorApart
 
 
@@ -16,8 +17,8 @@ class JointElasticity(MotorApart):
     """
 
     name: ClassVar[str] = "joint_elasticity"
-    compliance: float
-    damping: float
+    compliance: Positive
+    damping: NotNegative
 
     def pull(self, ahead: float, faster: float) -> float:
         """Of spring and damper."""

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.memory import Bristle
 
@@ -26,11 +27,11 @@ class LugreFriction(HiddenEffect):
 
     name: ClassVar[str] = "lugre_friction"
     site: str
-    coulomb: float
-    static: float
-    speed: float
-    stiffness: float
-    damping: float
+    coulomb: NotNegative
+    static: Positive
+    speed: Positive
+    stiffness: Positive
+    damping: NotNegative
 
     def memories(self) -> tuple[Bristle, ...]:
         """How far the bristles are bent."""

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.effect import JointForce
 
 
@@ -22,7 +23,7 @@ class Magnet(JointForce):
     site: str
     depth: float
     place: float
-    reach: float
+    reach: Positive
 
     def force(self, time: float, position: float, velocity: float) -> float:
         """Pull at the joint."""

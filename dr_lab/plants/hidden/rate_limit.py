@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.memory import SlowCommand
 
@@ -18,8 +19,8 @@ class RateLimit(HiddenEffect):
     """
 
     name: ClassVar[str] = "rate_limit"
-    rate: float
-    settling: float
+    rate: Positive
+    settling: Positive
     site: str = "motor"
 
     def memories(self) -> tuple[SlowCommand, ...]:

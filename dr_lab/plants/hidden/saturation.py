@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 
@@ -19,7 +20,7 @@ class Saturation(HiddenEffect):
     """
 
     name: ClassVar[str] = "saturation"
-    limit: float
+    limit: Positive
     site: str = "motor"
 
     def command(self, actuator: str, command: Command) -> Command:

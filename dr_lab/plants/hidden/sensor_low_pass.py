@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.memory import SlowReading
 
@@ -18,7 +19,7 @@ class SensorLowPass(HiddenEffect):
 
     name: ClassVar[str] = "sensor_low_pass"
     site: str
-    constant: float
+    constant: Positive
 
     def memories(self) -> tuple[SlowReading, ...]:
         """What is shown."""

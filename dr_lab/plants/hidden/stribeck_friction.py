@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import NotNegative, Positive
 from dr_lab.errors import ConfigError
 from dr_lab.plants.dry_friction import DryFriction
 from dr_lab.plants.hidden.effect import HiddenEffect
@@ -26,9 +27,9 @@ class StribeckFriction(HiddenEffect):
 
     name: ClassVar[str] = "stribeck_friction"
     site: str
-    coulomb: float
-    static: float
-    speed: float
+    coulomb: NotNegative
+    static: NotNegative
+    speed: Positive
 
     def __post_init__(self) -> None:
         if self.static < self.coulomb or self.speed <= 0:

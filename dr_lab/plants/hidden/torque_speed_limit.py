@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.drive_law import DriveLaw
 
 
@@ -16,8 +17,8 @@ class TorqueSpeedLimit(DriveLaw):
     """
 
     name: ClassVar[str] = "torque_speed_limit"
-    stall: float
-    free: float
+    stall: Positive
+    free: Positive
 
     def _added(self, drive: float, outside: float, velocity: float) -> float:
         del outside

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from dr_lab.bounds import Positive
 from dr_lab.plants.hidden.effect import JointForce
 
 
@@ -22,9 +23,9 @@ class Warming(JointForce):
     name: ClassVar[str] = "friction_drift"
     site: str
     cold: float
-    constant: float
+    constant: Positive
     seal: float = 0.0
-    creep: float = 0.01
+    creep: Positive = 0.01
 
     def force(self, time: float, position: float, velocity: float) -> float:
         """Friction at the joint."""

@@ -67,7 +67,7 @@ def test_every_actuator_and_joint_is_read_back_under_its_name(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("override", "said"),
+    ("overrides", "said"),
     [
         ("plant.instruments.counts=0", "plant.instruments.counts is 0; expected at least 1"),
         ("plant.instruments.clock_drift=[6e-5,2e-5]", "expected [lowest, highest], lowest <= highest"),
@@ -81,12 +81,14 @@ def test_every_actuator_and_joint_is_read_back_under_its_name(tmp_path: Path) ->
         ("plant.accuracy.longest_step=0", "plant.accuracy.longest_step is 0; expected a number above 0"),
         ("plant.duration=inf", "plant.duration is inf; expected a finite number"),
         ("plant.peaks=[nan]", "plant.peaks is [nan]; expected finite numbers"),
+        ("plant=cartpole plant.travel.cart=0", "plant.travel: cart is 0 m; expected a number above 0"),
+        ("plant/hidden=furuta/saturation plant.hidden.limit=-1", "plant.hidden.limit is -1; expected a number above 0"),
     ],
 )
 def test_numbers_that_no_bench_has_are_refused(
-    override: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    overrides: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["record", override, f"outputs={tmp_path}"]) == 2
+    assert main(["record", *overrides.split(), f"outputs={tmp_path}"]) == 2
     assert said in capsys.readouterr().err
 
 
