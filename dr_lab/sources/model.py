@@ -125,9 +125,10 @@ class ModelSource:
         for parameter in self.model.declared:
             value = values.get(parameter.name, parameter.nominal)
             if not parameter.low <= value <= parameter.high:
+                end = "low" if value < parameter.low else "high"
                 raise ConfigError(
                     f"context: {parameter.name} is {value:g} {parameter.unit}; expected a value within its bounds, "
-                    f"{parameter.low:g} to {parameter.high:g}. Widen them: model.parameters.{parameter.name}.high=…"
+                    f"{parameter.low:g} to {parameter.high:g}. Widen them: model.parameters.{parameter.name}.{end}=…"
                 )
         machine = with_named_effects(self.model, self.effects, values)
         z = machine.space.vector(values)

@@ -182,6 +182,7 @@ def test_commands_fill_the_range_about_its_middle(tmp_path: Path) -> None:
         (ConfigError, "peaks: motor is inf; expected a finite number", ["peaks={motor:inf}"]),
         (ConfigError, "start: arm is nan; expected a finite number", [MOTOR, "start={arm:nan}"]),
         (ConfigError, "arm.mass is 95 kg; expected a value within its bounds", [MOTOR, "context={arm.mass:95}"]),
+        (ConfigError, "Widen them: model.parameters.arm.mass.low=", [MOTOR, "context={arm.mass:0.01}"]),
         (UnknownNameError, "Did you mean 'arm.mass'", [MOTOR, "context={arm.mas:0.1}"]),
         (UnknownNameError, "Did you mean 'spring'", [MOTOR, "context={sprin@arm.stiffness:0.1}"]),
         (UnknownNameError, "site for spring 'leg'", [MOTOR, "context={spring@leg.stiffness:0.1}"]),
