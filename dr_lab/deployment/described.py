@@ -89,11 +89,12 @@ def _plain(subject: Subject) -> bool:
 
 def _notes(subject: Subject, inputs: Sequence[str | None], shown: int) -> Iterator[str]:
     setting, unknown = subject.setting, [str(i) for i, name in enumerate(inputs) if name is None]
-    if isinstance(setting, Setting):
-        if unknown:
-            yield f"Inputs {', '.join(unknown)} are no single position or velocity. {_said(type(setting.task).observe)}"
-        if not _plain(subject):
-            yield f"The task makes commands of the actions. {_said(type(setting.task).controls)}"
+    plays = f"They are those of env={setting.name}: {_said(type(setting))}"
+    told = _said(type(setting.task).observe) if isinstance(setting, Setting) else plays
+    if unknown:
+        yield f"Inputs {', '.join(unknown)} are no single position or velocity. {told}"
+    if isinstance(setting, Setting) and not _plain(subject):
+        yield f"The task makes commands of the actions. {_said(type(setting.task).controls)}"
     if shown:
         yield f"The last {shown} inputs tell the policy what the machine is like, as shares of the bounds."
     if subject.meta is not None:

@@ -122,6 +122,19 @@ def test_a_policy_that_is_made_to_be_adapted_is_told_as_such(tmp_path: Path) -> 
         dr_lab.load_controller(folder)
 
 
+@pytest.mark.slow
+def test_inputs_of_another_engine_that_have_no_name_are_told_as_well(tmp_path: Path) -> None:
+    short = [word for word in TRAIN if not word.startswith(("env=", "env."))]
+    folder = tmp_path / "train"
+    assert main(["train", *short, "env=lunar_lander", f"hydra.run.dir={folder}"]) == 0
+    assert main(["export", f"run={folder}", f"hydra.run.dir={tmp_path / 'export'}", "onnx.episodes=1"]) == 0
+    report = read(tmp_path / "export")
+    assert report.inputs[0].name is None
+    assert report.notes[0].startswith(
+        "Inputs 0, 1, 2, 3, 5, 6, 7 are no single position or velocity. They are those of"
+    )
+
+
 def test_nothing_is_left_where_the_run_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "export"
     assert main(["export", f"run={tmp_path}", f"hydra.run.dir={folder}"]) == 2
