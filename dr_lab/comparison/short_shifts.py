@@ -32,5 +32,6 @@ def _told(candidate: Candidate, bench: Bench) -> str:
     return (
         f"`{shift.label}` ({long}) would leave χ² {number(candidate.fitted_model.held_out.chi2)}. It is not named, for "
         f"a shift of less than {number(1e3 * bench.timing_resolution, 3)} ms may be that of the time step, or of "
-        "commands that are logged too rarely. Give the model a finer timestep, or log commands more often, to know."
+        "commands that are logged too rarely. To know, give the model a finer timestep, log commands more often, or "
+        "say what they did between their samples (measurements.commands.NAME.between)."
     )
