@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import mujoco
 
@@ -270,7 +271,13 @@ def _ended(bench: Bench, step: AddedEffect) -> AddedEffect:
 
 
 def step_from(rung: Rung) -> AddedEffect:
-    """The first effect that a rung names, or else finds worth a trial, with its rivals; there must be one."""
+    """The first effect that a rung names, or else finds worth a trial, with what may yet take its place.
+
+    There must be one. A candidate that it beats, but that explains more than one of its rivals, may.
+    """
     found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
     chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
-    return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named))
+    least = min((each.gain.total for each in rivals), default=inf)
+    passed = (c for c in rung.ranking if c.final and c.resolved and rung.verdict.status[c.effect.label] == "rejected")
+    near = tuple(c for c in passed if c.gain.total > least and not holds(c.effect, chosen.effect))
+    return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near)

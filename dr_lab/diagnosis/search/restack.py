@@ -14,7 +14,7 @@ from dr_lab.diagnosis.search.step import AddedEffect
 def reconsider(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], places: Sequence[int]
 ) -> tuple[AddedEffect, ...]:
-    """Try every rival of some effects in its place, beside all others that there are now.
+    """Try every alternative of some effects in its place, beside all others that there are now.
 
     A rival that was added itself since then stands beside the effect, not in its place.
 
@@ -25,7 +25,7 @@ def reconsider(
         places: of the effects beside which others were added, or dropped, since they were judged.
     """
     for place in places:
-        for rival in steps[place].rivals:
+        for rival in steps[place].alternatives:
             added = {other.fitted_model.model.effects[-1].label for k, other in enumerate(steps) if k != place}
             if rival.effect.label in added:
                 steps = _without(steps, place, rival)
@@ -51,8 +51,7 @@ def stacked(
 
 
 def _without(steps: tuple[AddedEffect, ...], place: int, rival: Candidate) -> tuple[AddedEffect, ...]:
-    kept = tuple(r for r in steps[place].rivals if r is not rival)
-    return (*steps[:place], replace(steps[place], rivals=kept), *steps[place + 1 :])
+    return (*steps[:place], steps[place].without(rival), *steps[place + 1 :])
 
 
 def swap(
@@ -67,8 +66,7 @@ def swap(
         place: of the effect that goes.
         rival: of that effect.
     """
-    others = tuple(r for r in steps[place].rivals if r is not rival)
-    swapped = replace(steps[place], fitted_model=rival.fitted_model, rivals=others)
+    swapped = replace(steps[place].without(rival), fitted_model=rival.fitted_model)
     return stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))
 
 

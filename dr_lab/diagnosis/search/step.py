@@ -1,6 +1,6 @@
 """One effect that was added to a ladder of models."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
@@ -17,11 +17,24 @@ class AddedEffect:
         rivals: fitted alternatives that these data cannot separate from it, given all that was added since.
         proven: whether it was added with support, or kept when trials were over; else it is on trial, or a user added
             it.
+        passed: fitted alternatives that it beat, but that explain more than one of its rivals does: what is still
+            missing may have decided between them.
     """
 
     fitted_model: FittedModel
     rivals: tuple[Candidate, ...]
     proven: bool = True
+    passed: tuple[Candidate, ...] = ()
+
+    @property
+    def alternatives(self) -> tuple[Candidate, ...]:
+        """All that may take its place beside what is added later."""
+        return (*self.rivals, *self.passed)
+
+    def without(self, alternative: Candidate) -> "AddedEffect":
+        """The same without one that does not take its place."""
+        kept = [tuple(each for each in group if each is not alternative) for group in (self.rivals, self.passed)]
+        return replace(self, rivals=kept[0], passed=kept[1])
 
     @property
     def effect(self) -> PlacedEffect:
