@@ -240,8 +240,7 @@ def _unit(
         if settings.gain < left < 1 / settings.gain:
             return said, 1.0, _beside_name(size, known[said], said, settings) if base == "1" else []
     name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
-    # A torque constant is near 1 by chance.
-    other = bool(said) and said not in known and unit_of(said).dimension != unit_of(base).dimension
+    other = bool(said) and said not in known and unit_of(said).dimension != unit_of(base).dimension  # near 1 by chance
     if not other and abs(math.log(size / factor)) < math.log(settings.near_unit):
         contradicts = [f"named {said}, but it moves the joint as {_plain(name)} do."] if said and said != name else []
         return name, 1.0, contradicts

@@ -76,7 +76,7 @@ def test_a_velocity_in_coarse_numbers_is_still_that_difference() -> None:
 
 def test_a_difference_of_counts_in_whole_rpm_is_found_and_that_of_another_encoder_is_not() -> None:
     """Two samples apart a count is 1.5 rpm, so that rounding is as large as half of the noise."""
-    time, rpm, made = 0.005 * np.arange(1400), 2 * np.pi / 60, []
+    time, rpm, made = 0.005 * np.arange(1400.0), 2 * np.pi / 60, []
     angles = [1.2 * np.sin(5 * time + phase) + 0.2 * np.sin(17 * time) for phase in (0.0, 0.0002)]
     counts = [np.floor(angle / (2 * np.pi) * 4000) for angle in angles]
     for each in counts:
