@@ -9,9 +9,9 @@ from dr_lab.trajectory import MeasurementSet
 
 KIND = "fault"
 UNLOGGED, DERIVED = "unlogged", "derived"  # notes on what the reading of the logs allows for
-UNDECIDED = "undecided"  # whether commands held between their samples
-_OPEN = (UNLOGGED, UNDECIDED)
-_READINGS = (*_OPEN, DERIVED)
+UNDECIDED = "undecided"
+BETWEEN = (UNLOGGED, UNDECIDED)  # that commands went on between their samples, or may have
+_READINGS = (*BETWEEN, DERIVED)
 _HEADINGS = {
     False: "**The logs seem faulty; mend this first, the rest depends on it:**",
     True: "What is wrong with the logs is allowed for here:",
@@ -60,7 +60,7 @@ def faults_markdown(notes: Sequence[NoteEntry]) -> str:
 def lines_markdown(notes: Sequence[NoteEntry]) -> str:
     """Which commands may have gone on between their samples, where no fault says so; empty where there is none."""
     faulty = {note.signal for note in notes if note.kind == KIND}
-    told = {note.signal: note.message for note in notes if note.kind in _OPEN and note.signal not in faulty}
+    told = {note.signal: note.message for note in notes if note.kind in BETWEEN and note.signal not in faulty}
     if not told:
         return ""
     (_, message), *others = told.items()

@@ -11,7 +11,7 @@ from dr_lab.reports.screen import ScreenMarkdown
 
 
 def say_first(notes: Sequence[NoteEntry]) -> None:
-    """Print the faults among some notes, commands that are read as lines, and what the model has and no log names."""
+    """Print the faults among some notes, how commands are read, and what the model has and no log names."""
     parts = (faults_markdown(notes), lines_markdown(notes), silent_markdown(notes))
     if told := "\n\n".join(filter(None, parts)):
         Console().print(ScreenMarkdown(told))

@@ -5,11 +5,10 @@ from dataclasses import replace
 from functools import reduce
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
-from dr_lab.comparison.fault_notes import UNDECIDED, UNLOGGED
+from dr_lab.comparison.fault_notes import BETWEEN, UNDECIDED, UNLOGGED
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
-from dr_lab.diagnosis.faults.straight_commands import is_coarse
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.scales import machine_scales
@@ -32,7 +31,7 @@ def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequen
     without it, half a sample of delay may make up for a rotor's inertia or for friction. There are three answers:
 
     1. Held ones leave more of the logs that score, beyond doubt. Then they are read as straight; what coarse ones
-       (`is_coarse`) did beside the line is unknown, and fitted in every window.
+       (`FaultSettings.is_coarse`) did beside the line is unknown, and fitted in every window.
     2. Straight ones leave more beyond doubt. Then they held.
     3. Neither. They are read as held, but no shift in time by less than a sample is told (`longest_wait`).
 
@@ -54,7 +53,7 @@ def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequen
     if not _better(line, held, settings.evidence):
         return _noted(comparison, UNDECIDED, {name: _undecided(name, measured, held, line) for name in names})
     sent = [(name, log.commands[name]) for log in logs for name in names if name in log.commands]
-    coarse = {name for name, signal in sent if is_coarse(signal, settings.faults)}
+    coarse = {name for name, signal in sent if settings.faults.is_coarse(signal.wait)}
     told = {name: _told(name, measured, held, line, name in coarse) for name in names}
     found = _read(measured, {name: "unknown" if name in coarse else "line" for name in names})
     return _noted(replace(comparison, measurements=found), UNLOGGED, told)
@@ -146,4 +145,4 @@ def _noted(comparison: Comparison, kind: str, told: Mapping[str, str]) -> Compar
 
 def _is_noted(log: Log, name: str) -> bool:
     """Whether it was found that a command of a log changed between its samples, or may have."""
-    return any(note.kind in (UNLOGGED, UNDECIDED) and note.signal == name for note in log.notes)
+    return any(note.kind in BETWEEN and note.signal == name for note in log.notes)

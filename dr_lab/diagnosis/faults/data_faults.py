@@ -19,7 +19,6 @@ from dr_lab.diagnosis.faults.held_span import HeldSpan, held_spans
 from dr_lab.diagnosis.faults.idle_span import idle_span, outside
 from dr_lab.diagnosis.faults.misread import Misreading, misread
 from dr_lab.diagnosis.faults.smoothed_motion import Mask
-from dr_lab.diagnosis.faults.straight_commands import is_coarse
 from dr_lab.trajectory import Log, MeasurementSet
 
 
@@ -200,9 +199,8 @@ def _shifted(fit: DriveFit, lag: float, settings: FaultSettings) -> _Shifted | N
 
 def _coarse(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
     """Commands that changed between the samples of their log: the motion follows lines through them, not steps."""
-    command = fit.log.commands[fit.actuator]
-    period = command.wait
-    if fit.straight is None or not is_coarse(command, settings) or given.left > settings.contrast * idle.left:
+    period = fit.log.commands[fit.actuator].wait
+    if fit.straight is None or not settings.is_coarse(period) or given.left > settings.contrast * idle.left:
         return None
     lags = np.arange(0.0, settings.longest_delay, fit.step)
     held = min(found.share for lag in lags if (found := _shifted(fit, float(lag), settings)) is not None)

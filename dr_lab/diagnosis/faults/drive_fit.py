@@ -281,4 +281,5 @@ def forces_of(model: Model, measured: MeasurementSet, settings: FaultSettings) -
 
 def _rare(log: Log, name: str, model: mujoco.MjModel, settings: FaultSettings) -> bool:
     """Whether a command's samples come so rarely that it matters what it did between them."""
-    return log.commands[name].wait > settings.rare * model.opt.timestep
+    wait = log.commands[name].wait
+    return settings.is_coarse(wait) or wait > settings.rare * model.opt.timestep

@@ -76,3 +76,7 @@ class FaultSettings:
 
     def __post_init__(self) -> None:
         require_bounds(self, "faults")
+
+    def is_coarse(self, wait: float) -> bool:
+        """Whether commands `wait` s apart come so rarely that lines between them may miss much of what was sent."""
+        return wait > self.coarse * self.equation.step

@@ -5,7 +5,7 @@ from collections import defaultdict
 
 from dr_lab.diagnosis.faults.drive_fit import Forces
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.trajectory import MeasurementSet, Signal
+from dr_lab.trajectory import MeasurementSet
 
 _LEAST = 1e-300  # of squares, so that a perfect reading has a logarithm
 
@@ -19,7 +19,7 @@ def may_follow_lines(forces: Forces | None, measured: MeasurementSet, settings: 
     one: of residuals of unknown size, n test functions of an actuator in a log add n/2 log(held / line) to the
     log-likelihood of lines, by the squares that the two readings leave. It is a suspicion, no proof: friction or
     inertia that the model lacks beyond `FaultSettings.wrong` may look like a shift in time. Where the equation of
-    motion cannot be tested, all whose samples are coarse (`is_coarse`) are suspected.
+    motion cannot be tested, all whose samples are coarse (`FaultSettings.is_coarse`) are suspected.
 
     Args:
         forces: of all logs, by the model as given; None where nothing can be tested.
@@ -32,15 +32,10 @@ def may_follow_lines(forces: Forces | None, measured: MeasurementSet, settings: 
     if forces is None:
         logs = (*measured.fit, *measured.held_out)
         sent = ((name, signal) for log in logs for name, signal in log.commands.items() if signal.between == "")
-        return tuple(dict.fromkeys(name for name, signal in sent if is_coarse(signal, settings)))
+        return tuple(dict.fromkeys(name for name, signal in sent if settings.is_coarse(signal.wait)))
     bounds, gained = (settings.gain, 1 / settings.gain), defaultdict[str, float](float)
     for fit in forces.drives():
         if fit.straight is not None and fit.log.commands[fit.actuator].between == "":
             held, line = (max(fit.gain(*bounds, drive=drive).left, _LEAST) for drive in (fit.drive, fit.straight))
             gained[fit.actuator] += len(fit.time) / 2 * math.log(held / line)
     return tuple(gained) if sum(gained.values()) > 0 else ()
-
-
-def is_coarse(command: Signal, settings: FaultSettings) -> bool:
-    """Whether a command comes so rarely that a line between its samples may miss much of what it did."""
-    return command.wait > settings.coarse * settings.equation.step

@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import forces_of
 from dr_lab.diagnosis.faults.straight_commands import may_follow_lines
+from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
-from tests.diagnosis_machines import clock, fault_settings, log_of, measured, pendulum, simulated
+from tests.diagnosis_machines import PENDULUM, clock, fault_settings, log_of, measured, pendulum, simulated
 
 EVERY = 5  # steps of 2 ms
 
@@ -52,3 +54,14 @@ def test_of_machines_that_cannot_be_tested_coarse_commands_are_suspected() -> No
     assert may_follow_lines(None, said, fault_settings()) == ()
     silent = measured([replace(logs[0], commands={})], noise=1e-4)
     assert suspected(silent) == ()
+
+
+def test_coarse_commands_are_asked_however_long_the_model_s_steps_are() -> None:
+    """Two steps of 10 ms apart, they are not rare to the model."""
+    spec = mujoco.MjSpec.from_string(PENDULUM)
+    spec.option.timestep = 0.01
+    slow, logs = (
+        from_spec("pendulum", spec, {}),
+        measured([log(held=False, seed=s, every=10) for s in (1, 2)], noise=1e-4),
+    )
+    assert may_follow_lines(forces_of(slow, logs, fault_settings()), logs, fault_settings()) == ("drive",)
