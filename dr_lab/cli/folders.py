@@ -47,7 +47,7 @@ def split_config_dir(arguments: Sequence[str]) -> tuple[tuple[Path, ...], list[s
     for word in words:
         if word in ("--config-dir", "-cd"):
             folders.append(_existing(next(words, "")))
-        elif word.startswith("--config-dir="):
+        elif word.startswith(("--config-dir=", "-cd=")):
             folders.append(_existing(word.partition("=")[2]))
         else:
             rest.append(word)

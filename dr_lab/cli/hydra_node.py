@@ -63,7 +63,7 @@ def checked_at_composition() -> Iterator[None]:
             cfg = load(self, config_name, overrides, run_mode, from_shell, validate_sweep_overrides)
         if validate_sweep_overrides:  # else what is wrong is dropped
             check_hydra(cfg)
-            _expand_home(cfg)
+            _check_folders(cfg)
         return cfg
 
     ConfigLoaderImpl.load_configuration = checked
@@ -101,13 +101,26 @@ def check_hydra(cfg: DictConfig) -> None:
         _check_logging(cfg.hydra[part], f"hydra.{part}")
 
 
-def _expand_home(cfg: DictConfig) -> None:
-    """Let ``~`` in the folders of results be the user's home, as in every other folder that is given."""
-    for node, key in ((cfg, "outputs"), (cfg.hydra.run, "dir"), (cfg.hydra.sweep, "dir")):
+def _check_folders(cfg: DictConfig) -> None:
+    """Refuse folders of results without a name; in the others ``~`` is the user's home, as in all that are given.
+
+    Hydra takes null for a folder called None, and no name for the one where the user is.
+    """
+    for node, key, name in (
+        (cfg, "outputs", "outputs"),
+        (cfg.hydra.run, "dir", "hydra.run.dir"),
+        (cfg.hydra.sweep, "dir", "hydra.sweep.dir"),
+    ):
         given = OmegaConf.to_container(OmegaConf.masked_copy(node, [key]), resolve=False)
         assert isinstance(given, dict)
-        if str(given.get(key, "")).startswith("~"):
-            node[key] = os.path.expanduser(given[key])
+        if key not in given:
+            continue
+        folder = given[key]
+        if not folder:
+            told = "null" if folder is None else "empty"
+            raise ConfigError(f"{name} is {told}; expected a folder. Give {name}=FOLDER, or leave it out.")
+        if str(folder).startswith("~"):
+            node[key] = os.path.expanduser(folder)
 
 
 def _plain(cfg: DictConfig, part: str) -> object:

@@ -69,9 +69,7 @@ def open_viewer(paths: Sequence[Path]) -> None:
     Raises:
         DrLabError: a file is missing, or the viewer does not start, e.g. because there is no display.
     """
-    for path in paths:
-        if not path.is_file():
-            raise DrLabError(f"There is no file {path} to show.")
+    _require_files(paths)
     command = [*_command("auto"), *map(str, paths)]
     with tempfile.TemporaryFile() as errors:
         quiet = os.environ | {"RUST_LOG": "error", "NO_COLOR": "1"}
@@ -82,6 +80,12 @@ def open_viewer(paths: Sequence[Path]) -> None:
                 "On a machine without a screen, show it in a browser instead: "
                 f"{view_command(paths[0])} web=true"
             )
+
+
+def _require_files(paths: Sequence[Path]) -> None:
+    for path in paths:
+        if not path.is_file():
+            raise DrLabError(f"There is no file {path} to show.")
 
 
 @contextmanager
@@ -148,8 +152,10 @@ def screenshot(recording: Path, picture: Path, at: float | None = None, width: i
         height: likewise.
 
     Raises:
-        DrLabError: the viewer does not start, the recording has no times in s, or the picture cannot be written.
+        DrLabError: there is no recording, the viewer does not start, the recording has no times in s, or the picture
+            cannot be written.
     """
+    _require_files([recording])
     with headless_viewer(width, height) as viewer:
         show(viewer, recording, at)
         time.sleep(_NOTES_FADE)

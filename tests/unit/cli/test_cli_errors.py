@@ -41,6 +41,8 @@ SAYS = {
         "\nThere is no name 'Machin' in parts (model._target_). Did you mean 'Machine'?",
         "\nhorizon is 'long'; expected a number.\n",
     ],
+    ("outputs=null",): ["outputs is null; expected a folder. Give outputs=FOLDER, or leave it out."],
+    ("hydra.run.dir=",): ["hydra.run.dir is empty; expected a folder."],
     ("model=null",): ["A group takes the name of one of its options, or a list of names"],
     ("model=mine/robot.xml",): ["names a file", "write FOLDER/model/NAME.yaml", "--config-dir FOLDER model=NAME"],
     ("somewhere/else",): ["Cannot read 'somewhere/else'; expected key=value", "dr-lab compare --help"],

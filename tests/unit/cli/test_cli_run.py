@@ -139,11 +139,12 @@ def test_new_effect_file_joins_the_whole_catalogue(dr_lab: CommandLine, tmp_path
     assert sorted(dr_lab.calls[0]["effects"]) == ["rust", "sand", "wind"]
 
 
-def test_users_files_hide_ours_of_the_same_name(dr_lab: CommandLine, tmp_path: Path) -> None:
+@pytest.mark.parametrize("flag", ["--config-dir", "-cd"])
+def test_users_files_hide_ours_of_the_same_name(dr_lab: CommandLine, tmp_path: Path, flag: str) -> None:
     mine = tmp_path / "mine"
     write(mine / "model/swing.yaml", "_target_: parts.Machine\nname: my_swing\nmjcf: ${conf:model/swing.xml}\n")
     write(mine / "model/swing.xml", "<mujoco/>")
-    dr_lab("compare", f"--config-dir={mine}")
+    dr_lab("compare", f"{flag}={mine}")
     assert dr_lab.calls[0]["model"] == Machine("my_swing", str(mine / "model/swing.xml"))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from dr_lab.errors import ConfigError, DrLabError
 from dr_lab.recorders.rerun_process import LOCAL, free_port
-from dr_lab.recorders.viewer import find_recording
+from dr_lab.recorders.viewer import find_recording, screenshot
 
 
 def test_a_file_that_is_no_recording_is_refused_before_the_viewer_shows_nothing(tmp_path: Path) -> None:
@@ -50,3 +50,9 @@ def test_a_taken_port_is_replaced() -> None:
         taken.listen()
         wanted = taken.getsockname()[1]
         assert free_port(wanted) not in (0, wanted)
+
+
+def test_no_picture_of_a_recording_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(DrLabError, match=r"There is no file .*lost\.rrd to show\."):
+        screenshot(tmp_path / "lost.rrd", tmp_path / "picture.png")
+    assert list(tmp_path.iterdir()) == []
