@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from hydra.core.override_parser.types import Override
 from hydra_plugins._dr_lab_sweeper import Composed, DrLabSweeper
+from omegaconf import OmegaConf
 
 from dr_lab.errors import ConfigError
 from dr_lab.sweeps.job_folder import FINAL
@@ -28,7 +29,8 @@ class ResumeSweeper(DrLabSweeper):
             arguments: overrides as typed, those of Hydra's own node apart.
 
         Raises:
-            ConfigError: there is no job, one cannot be run, or another command drives the sweep.
+            ConfigError: there is no job, one cannot be run, two write to one `output`, or another command drives the
+                sweep.
             SweepError: jobs failed or died; the others are kept.
         """
         given = self.parsed(arguments)
@@ -37,6 +39,7 @@ class ResumeSweeper(DrLabSweeper):
         [combinations] = self.split_arguments(given, None)
         asked = [self.composed(overrides) for overrides in combinations]
         self.check(asked)
+        _require_apart(asked)
         with only_driver(self.folder, self.option):
             jobs = self._enrolled(asked)
             standing = statuses(self.folder, jobs)
@@ -75,3 +78,18 @@ def _require_values(override: Override) -> None:
         )
     if not list(override.sweep_iterator()):  # of which null is a value
         raise ConfigError(f"{override.input_line} holds no value, so there is no job.")
+
+
+def _require_apart(jobs: Sequence[Composed]) -> None:
+    """Refuse jobs of which one would write over another's `output`."""
+    writers: dict[str, int] = {}
+    for job in {job.identity: job for job in jobs}.values():
+        folder = OmegaConf.select(job.cfg, "output")
+        if folder is not None:
+            writers[str(folder)] = writers.get(str(folder), 0) + 1
+    shared = next((folder for folder, count in writers.items() if count > 1), None)
+    if shared is not None:
+        raise ConfigError(
+            f"output is {shared!r} in {writers[shared]} jobs, which would write over one another. Let it hold what "
+            f"differs, such as 'output={shared}/${{seed}}', or leave it out: each job then writes to its own folder."
+        )

@@ -16,6 +16,7 @@ from hydra.core.utils import JobReturn
 from hydra.plugins.launcher import Launcher
 from probe_sweeps import Sweeps, completed, table
 
+from dr_lab.__main__ import main
 from dr_lab.errors import ConfigError
 from dr_lab.sweeps.job_folder import LOCK_FILE, write_status
 from dr_lab.sweeps.sweep import SweepJob, add_jobs, read_jobs
@@ -40,6 +41,15 @@ def test_the_same_command_finds_its_sweep_and_more_values_join(
     assert sweep("value=0,1,2.0", "size=3", "outputs=elsewhere", f"hydra.sweep.dir={swept}") == 0
     assert [(row["folder"], row["value"]) for row in table(swept)] == [("0", "2.0"), ("1", "1"), ("2", "0")]
     assert {number: completed(swept)[number] for number in done} == done
+
+
+def test_no_job_writes_over_the_logs_of_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["record", "-m", "plant=furuta", "seed=1,2", "output=logs"]) == 2
+    assert "output is 'logs' in 2 jobs, which would write over one another" in capsys.readouterr().err
+    assert list(tmp_path.rglob("*.mcap")) == []
 
 
 def test_other_files_of_the_same_name_make_other_jobs(sweep: Sweep, sweeps: Sweeps) -> None:
