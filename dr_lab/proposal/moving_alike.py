@@ -6,11 +6,13 @@ import numpy as np
 
 from dr_lab.channel_names import POSITION, joint_of, quantity
 from dr_lab.errors import DataError
+from dr_lab.measurements.inventory import Place
 from dr_lab.proposal.drives import UNITS, Command
-from dr_lab.proposal.grid import grid_of, path_of
+from dr_lab.proposal.grid import Grid, grid_of, path_of
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series, Survey
+from dr_lab.trajectory import Array
 
 _COPY = 1e-5  # share by which a copy may differ, as by digits that were not written
 
@@ -28,12 +30,13 @@ def moving_alike(
     """
     read = {part.place for output in outputs for part in output.parts} | {each.series.place for each in commands}
     left = [each for each in logs.series if _may_be_position(each) and each.place not in read]
+    smoothed = _Smoothed(settings)
     for output in outputs:
         series, *more = output.parts
         if quantity(output.channel) != POSITION or more:
             continue
         for other in left:
-            ratio = _ratio(series, other, settings)
+            ratio = _ratio(series, other, smoothed, settings)
             if ratio is not None:
                 yield _said(output, other, ratio)
 
@@ -42,13 +45,29 @@ def _may_be_position(series: Series) -> bool:
     return series.moves and not series.words.asked and series.words.kind in ("position", "")
 
 
-def _ratio(series: Series, other: Series, settings: ProposalSettings) -> float | None:
+class _Smoothed:
+    """Smoothed numbers of series about their mean, each once for all pairs that share its times."""
+
+    def __init__(self, settings: ProposalSettings) -> None:
+        self._settings = settings
+        self._found: dict[tuple[Place, bytes, bytes], Array] = {}
+
+    def __call__(self, series: Series, grid: Grid) -> Array:
+        """Those of a series on a grid."""
+        key = (series.place, grid.log.tobytes(), grid.time.tobytes())
+        if key not in self._found:
+            value = path_of(series, grid, self._settings.cutoff).value
+            self._found[key] = value - value.mean()
+        return self._found[key]
+
+
+def _ratio(series: Series, other: Series, smoothed: _Smoothed, settings: ProposalSettings) -> float | None:
     """How far another series moves for each unit of a series; None where it moves otherwise, or is a copy."""
     try:
         grid = grid_of([series, other], settings)
     except DataError:  # they share no time
         return None
-    x, y = (path - path.mean() for path in (path_of(each, grid, settings.cutoff).value for each in (series, other)))
+    x, y = smoothed(series, grid), smoothed(other, grid)
     norms = float(np.sqrt((x @ x) * (y @ y)))
     if norms == 0.0 or abs(float(x @ y)) < settings.alike * norms:
         return None

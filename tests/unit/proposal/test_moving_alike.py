@@ -8,6 +8,9 @@ import yaml
 from own_robot import MJCF, Motion, write_csv
 
 from dr_lab.__main__ import main
+from dr_lab.proposal.grid import Grid, path_of
+from dr_lab.proposal.grid import Path as Path_
+from dr_lab.proposal.survey import Series
 from dr_lab.trajectory import Array
 
 GEAR = 20.0
@@ -53,3 +56,17 @@ def test_the_side_of_a_gear_that_is_not_read_is_told(
 def test_copies_are_not_spoken_of(gear: float, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["init", "two.xml", *logs("elbow_q_m", gear, 0.0)]) == 0
     assert "move alike" not in capsys.readouterr().out
+
+
+def test_each_series_is_smoothed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a quadruped's many pairs of columns, smoothing each anew took more than half of init's time."""
+    names: list[str] = []
+
+    def spied(series: Series, grid: Grid, cutoff: float) -> Path_:
+        names.append(str(series.place))
+        return path_of(series, grid, cutoff)
+
+    monkeypatch.setattr("dr_lab.proposal.moving_alike.path_of", spied)
+    assert main(["init", "two.xml", *logs("elbow_q_m", GEAR, 2e-3)]) == 0
+    assert "elbow_q_m" in names
+    assert len(names) == len({*names})
