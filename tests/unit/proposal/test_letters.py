@@ -37,6 +37,8 @@ from dr_lab.proposal.words import read_name, told_apart
         ("motor_v", "drive", "V", ""),
         ("rail_force_n", "drive", "N", "rail"),
         ("force_x_n", "drive", "N", "x"),
+        ("rope_mrad", "position", "mrad", "rope"),
+        ("gimbal_rate_mrad_s", "velocity", "mrad/s", "gimbal"),
     ],
 )
 def test_a_letter_is_a_unit_only_of_the_quantity_before_it(name: str, kind: str, unit: str, joint: str) -> None:
