@@ -1,5 +1,6 @@
 """Units by name, to SI."""
 
+import difflib
 import re
 from dataclasses import dataclass
 from functools import cache
@@ -10,6 +11,11 @@ from dr_lab.errors import DataError
 
 # Derived units that keep their usual name; all others are written in base units, e.g. m/s² or rad/s.
 _NAMED = ("N", "N·m", "V", "Ω", "Pa", "W", "T")
+# Units of machines, of which a misspelt one is told the nearest.
+_USUAL = (
+    *("rad", "mrad", "deg", "turn", "rad/s", "deg/s", "rpm", "rad/s^2", "m", "mm", "um", "m/s", "mm/s", "m/s^2"),
+    *("N", "kN", "N·m", "mN·m", "V", "mV", "A", "mA", "percent", "1"),
+)
 # Pint reads "Nm" as number/meter, a unit of yarn.
 _NEWTON_METRE = re.compile(r"\b([a-zµ]?N)m\b")
 
@@ -53,11 +59,18 @@ def unit(text: str) -> Unit:
         zero = registry.Quantity(0.0, parsed).to_base_units()
     except Exception as error:
         # Pint raises its own errors, tokenizer errors and TypeErrors, depending on the text.
-        meant = text.lower()
-        near = f"Did you mean {meant!r}? " if meant != text and meant in registry else ""
+        meant = _meant(text)
+        near = f"Did you mean {meant!r}? " if meant else ""
         remedy = f"{near}Write it as e.g. rad, deg, rad/s, rpm, m, N, N·m, V or 1."
         raise DataError(f"There is no unit {text!r} ({error}). {remedy}") from error
     if zero.magnitude != 0.0:
         raise DataError(f"Unit {text!r} has an offset; give the value in an absolute unit, e.g. K.")
     name = next((n for n in _NAMED if base.is_compatible_with(registry.Unit(n))), f"{base.units:~P}") or "1"
     return Unit(text, name, float(base.magnitude), str(base.dimensionality))
+
+
+def _meant(text: str) -> str:
+    """The unit that a wrong one may stand for: in other letters of case, or misspelt; empty where there is none."""
+    if text.isalpha() and text.lower() in _registry():  # of other texts, such as RPM/, pint may fail to say so
+        return text.lower()
+    return next(iter(difflib.get_close_matches(text, _USUAL, n=1)), "")

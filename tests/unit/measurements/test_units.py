@@ -133,3 +133,9 @@ def test_a_joint_faster_than_any_is_suspected(contract: DataContract) -> None:
         check(contract, ANGLE * DEGREES, None)
     with pytest.raises(DataError, match=r"arm\.velocity .* unit: deg/s if .*, unit: rpm if"):
         check(contract, None, SPEED * DEGREES)
+
+
+@pytest.mark.parametrize(("text", "meant"), [("rmp", "rpm"), ("RPM", "rpm"), ("mms", "mm/s"), ("Nmm/", "mm/s")])
+def test_a_misspelt_unit_is_told_the_nearest(text: str, meant: str) -> None:
+    with pytest.raises(DataError, match=f"There is no unit {text!r} .*Did you mean {meant!r}"):
+        unit(text)
