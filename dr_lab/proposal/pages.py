@@ -40,7 +40,8 @@ CHANNEL_KEYS = """\
 
 _PARAMETERS = (
     "# A parameter is a number of the MJCF that is fitted, between two bounds: body.<name>.mass, .inertia_scale,",
-    "# .ipos[0]; joint.<name>.damping, .armature, .frictionloss, .stiffness; actuator.<name>.gear[0], .force_limit; …",
+    "# .ipos[0]; joint.<name>.damping, .armature, .frictionloss, .stiffness; actuator.<name>.gear[0], .force_limit;",
+    "# of a position servo also .kp and .kv; …",
     "# .mass scales the body's inertia with it, as a density does; .inertia_scale is a factor on the inertia alone.",
     "# Dry friction, backlash, delays and so on need none: they are effects, which dr-lab close tries and adds.",
 )
