@@ -10,7 +10,7 @@ parameter a difference of two models' demands. No model is simulated.
 """
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -83,20 +83,16 @@ class Weak:
 
 def demand(model: mujoco.MjModel, motion: Motion) -> Demand:
     """Inverse dynamics of a compiled model at every time of a motion (`mj_inverse`)."""
-    data, still = mujoco.MjData(model), mujoco.MjData(model)
+    data, touching = mujoco.MjData(model), np.zeros(len(motion), bool)
     force, gravity, inertia = np.zeros((3, len(motion), model.nv))
-    touching, column = np.zeros(len(motion), bool), np.zeros(model.nv)
     for k in range(len(motion)):
         data.qpos[:], data.qvel[:], data.qacc[:] = motion.qpos[k], motion.qvel[k], motion.qacc[k]
         mujoco.mj_inverse(model, data)
         force[k], touching[k] = data.qfrc_inverse, data.ncon > 0
-        mujoco.mj_mulM(model, data, column, motion.qacc[k])
-        inertia[k] = column
-        still.qpos[:] = motion.qpos[k]
-        mujoco.mj_kinematics(model, still)
-        mujoco.mj_comPos(model, still)
-        mujoco.mj_rne(model, still, 0, column)
-        gravity[k] = column
+        mujoco.mj_mulM(model, data, inertia[k], motion.qacc[k])
+        data.qvel[:] = 0.0
+        mujoco.mj_comVel(model, data)  # gravity is what the same place asks for at rest
+        mujoco.mj_rne(model, data, 0, gravity[k])
     return Demand(force, gravity, inertia, touching)
 
 
@@ -108,8 +104,8 @@ def actuation(model: mujoco.MjModel, motion: Motion, controls: Array) -> Actuati
         motion: measured motion.
         controls: shape (n, nu); see `dr_lab.diagnosis.faults.smoothed_motion.controls_at`.
     """
-    idle = _actuator_forces(model, motion, np.zeros_like(controls))
-    return Actuation(idle.sum(1), _actuator_forces(model, motion, controls) - idle)
+    idle, driven = _actuator_forces(model, motion, (np.zeros_like(controls), controls))
+    return Actuation(idle.sum(1), driven - idle)
 
 
 def weak_form(motion: Motion, settings: EquationErrorSettings, blocked: Mask | None = None) -> Weak:
@@ -164,31 +160,36 @@ def _by_log(motion: Motion) -> list[Mask]:
     return [motion.log == k for k in range(int(motion.log.max(initial=-1)) + 1)]
 
 
-def _actuator_forces(model: mujoco.MjModel, motion: Motion, controls: Array) -> Array:
-    """Generalised force of each actuator, shape (n, actuators, nv); activations begin every log at rest."""
-    model, forces = _undelayed(model), np.zeros((len(motion), model.nactuator, model.nv))
+def _actuator_forces(model: mujoco.MjModel, motion: Motion, several: Sequence[Array]) -> Array:
+    """Generalised force of each actuator under each of several controls, shape (several, n, actuators, nv).
+
+    Activations begin every log at rest.
+    """
+    model, count = _undelayed(model), len(motion)
+    moments, forces = np.zeros((count, model.nactuator, model.nv)), np.zeros((len(several), count, model.nactuator))
     if not model.nactuator:
-        return forces
-    data = mujoco.MjData(model)
-    moment = np.zeros((model.nactuator, model.nv))
+        return forces[..., None] * moments
+    data, activations = mujoco.MjData(model), np.zeros((len(several), model.na))
     substeps = int(np.ceil(motion.step / model.opt.timestep)) if model.na else 0
     first = np.diff(motion.log, prepend=-1) != 0
-    for k in range(len(motion)):
+    for k, moment in enumerate(moments):
         if first[k]:
             mujoco.mj_resetData(model, data)
-            data.act[:] = resting(model, motion.qpos[k : k + 1], controls[k : k + 1])[0]
-        data.qpos[:], data.qvel[:], data.ctrl[:] = motion.qpos[k], motion.qvel[k], controls[k]
+            activations[:] = [resting(model, motion.qpos[k : k + 1], controls[k : k + 1])[0] for controls in several]
+        data.qpos[:], data.qvel[:] = motion.qpos[k], motion.qvel[k]
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
-        for _ in range(substeps):
-            mujoco.mj_fwdActuation(model, data)
-            data.act[:] += motion.step / substeps * data.act_dot
-        mujoco.mj_fwdActuation(model, data)
         mujoco.mju_sparse2dense(
             moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
         )
-        forces[k] = data.actuator_force[:, None] * moment
-    return forces
+        for force, controls, activation in zip(forces, several, activations, strict=True):
+            data.ctrl[:], data.act[:] = controls[k], activation
+            for _ in range(substeps):
+                mujoco.mj_fwdActuation(model, data)
+                data.act[:] += motion.step / substeps * data.act_dot
+            mujoco.mj_fwdActuation(model, data)
+            activation[:], force[k] = data.act, data.actuator_force
+    return forces[..., None] * moments
 
 
 def _undelayed(model: mujoco.MjModel) -> mujoco.MjModel:
