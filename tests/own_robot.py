@@ -1,6 +1,7 @@
 """A planar arm of two joints, as a user has it: URDF, MJCF and logs of a machine with dry friction in its elbow."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import mujoco
@@ -49,27 +50,33 @@ class Motion:
     """
 
     def __init__(self, seed: int, seconds: float = 6.0, friction: float = FRICTION) -> None:
-        rng = np.random.default_rng(seed)
-        spec = mujoco.MjSpec.from_string(MJCF)
-        spec.option.timestep = STEP
-        spec.joint("elbow").frictionloss = friction
-        spec.body("lower").mass *= 1.1
-        spec.body("lower").inertia = 1.1 * np.asarray(spec.body("lower").inertia)
-        model = spec.compile()
-        data = mujoco.MjData(model)
-        data.qpos[:] = rng.uniform(-0.5, 0.5, 2)
-        levels = rng.uniform(-1.0, 1.0, (round(seconds / HELD), 2)) * PEAK
-        rows = []
-        for k in range(round(seconds / STEP)):
-            data.ctrl[:] = levels[int(k * STEP / HELD + 1e-9)]
-            if k % round(SAMPLE / STEP) == 0:
-                rows.append(np.concatenate([data.qpos, data.qvel, data.ctrl]))
-            mujoco.mj_step(model, data)
-        found = np.array(rows)
+        found, noise = _moved(seed, seconds, friction)
         self.time: Array = np.asarray(SAMPLE * np.arange(len(found)), np.float64)
-        self.position = found[:, :2] + rng.normal(scale=1e-3, size=(len(found), 2))
+        self.position = found[:, :2] + noise
         self.velocity: Array = found[:, 2:4]
         self.torque: Array = found[:, 4:]
+
+
+@cache
+def _moved(seed: int, seconds: float, friction: float) -> tuple[Array, Array]:
+    """Positions, velocities and torques every 5 ms, shape (n, 6), and the encoders' noise, shape (n, 2)."""
+    rng = np.random.default_rng(seed)
+    spec = mujoco.MjSpec.from_string(MJCF)
+    spec.option.timestep = STEP
+    spec.joint("elbow").frictionloss = friction
+    spec.body("lower").mass *= 1.1
+    spec.body("lower").inertia = 1.1 * np.asarray(spec.body("lower").inertia)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = rng.uniform(-0.5, 0.5, 2)
+    levels = rng.uniform(-1.0, 1.0, (round(seconds / HELD), 2)) * PEAK
+    found = np.empty((round(seconds / SAMPLE), 6))
+    for k, row in enumerate(found):
+        data.ctrl[:] = levels[int(k * SAMPLE / HELD + 1e-9)]
+        row[:2], row[2:4], row[4:] = data.qpos, data.qvel, data.ctrl
+        mujoco.mj_step(model, data, round(SAMPLE / STEP))
+    found.setflags(write=False)  # several tests look at the same
+    return found, rng.normal(scale=1e-3, size=(len(found), 2))
 
 
 def write_csv(path: Path, columns: Mapping[str, Array]) -> Path:
