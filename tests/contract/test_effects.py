@@ -280,9 +280,9 @@ def _free_run(model: mujoco.MjModel) -> Array:
 @pytest.mark.parametrize("name", [name for name in NAMES if catalogue_effect(name).shapes])
 def test_what_only_shapes_an_effect_does_nothing_alone(name: str) -> None:
     """At the first site where the effect has them."""
-    extended, one = next(
-        found for found in (put(*each) for each in places() if each[1] == name) if len(found[1].parameters) > 1
-    )
+    sites = ((model, site) for model in MODELS for site in catalogue_effect(name).sites(machine(model).nominal()))
+    found = (put(model, name, site) for model, site in sites)
+    extended, one = next((whole, one) for whole, one in found if len(one.parameters) > 1)
     shapes = [k for k, p in enumerate(one.parameters) if p.name not in one.absent]
     names = [p.name.rpartition(".")[2] for p in one.parameters]
     assert [names[k] for k in shapes] == [name for name in one.effect.shapes if name in names]
