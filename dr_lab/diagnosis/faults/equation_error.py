@@ -84,15 +84,17 @@ class Weak:
 def demand(model: mujoco.MjModel, motion: Motion) -> Demand:
     """Inverse dynamics of a compiled model at every time of a motion (`mj_inverse`)."""
     data, touching = mujoco.MjData(model), np.zeros(len(motion), bool)
+    qpos, qvel, qacc, found = data.qpos, data.qvel, data.qacc, data.qfrc_inverse  # a look-up takes long
     force, gravity, inertia = np.zeros((3, len(motion), model.nv))
-    for k in range(len(motion)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = motion.qpos[k], motion.qvel[k], motion.qacc[k]
+    rows = zip(motion.qpos, motion.qvel, motion.qacc, force, gravity, inertia, strict=True)
+    for k, (place, speed, change, needed, weight, inert) in enumerate(rows):
+        qpos[:], qvel[:], qacc[:] = place, speed, change
         mujoco.mj_inverse(model, data)
-        force[k], touching[k] = data.qfrc_inverse, data.ncon > 0
-        mujoco.mj_mulM(model, data, inertia[k], motion.qacc[k])
-        data.qvel[:] = 0.0
+        needed[:], touching[k] = found, data.ncon > 0
+        mujoco.mj_mulM(model, data, inert, change)
+        qvel[:] = 0.0
         mujoco.mj_comVel(model, data)  # gravity is what the same place asks for at rest
-        mujoco.mj_rne(model, data, 0, gravity[k])
+        mujoco.mj_rne(model, data, 0, weight)
     return Demand(force, gravity, inertia, touching)
 
 
@@ -170,6 +172,7 @@ def _actuator_forces(model: mujoco.MjModel, motion: Motion, several: Sequence[Ar
     if not model.nactuator:
         return forces[..., None] * moments
     data, activations = mujoco.MjData(model), np.zeros((len(several), model.na))
+    ctrl, act, slope, strength = data.ctrl, data.act, data.act_dot, data.actuator_force  # a look-up takes long
     substeps = int(np.ceil(motion.step / model.opt.timestep)) if model.na else 0
     first = np.diff(motion.log, prepend=-1) != 0
     for k, moment in enumerate(moments):
@@ -183,12 +186,12 @@ def _actuator_forces(model: mujoco.MjModel, motion: Motion, several: Sequence[Ar
             moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
         )
         for force, controls, activation in zip(forces, several, activations, strict=True):
-            data.ctrl[:], data.act[:] = controls[k], activation
+            ctrl[:], act[:] = controls[k], activation
             for _ in range(substeps):
                 mujoco.mj_fwdActuation(model, data)
-                data.act[:] += motion.step / substeps * data.act_dot
+                act[:] += motion.step / substeps * slope
             mujoco.mj_fwdActuation(model, data)
-            activation[:], force[k] = data.act, data.actuator_force
+            activation[:], force[k] = act, strength
     return forces[..., None] * moments
 
 
