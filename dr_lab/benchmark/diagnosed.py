@@ -13,7 +13,8 @@ from dr_lab.comparison.study import Study
 from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
-from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.rung import Rung
 
 
 def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcome:

@@ -18,7 +18,8 @@ from dr_lab.comparison.trading import together, trading
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
-from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.reports.gap import GapReport, Judgement

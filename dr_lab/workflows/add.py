@@ -12,8 +12,9 @@ from dr_lab.comparison.ladder_report import Told, report_ladder
 from dr_lab.comparison.lesson import Lesson, lesson_at, measured_joints
 from dr_lab.comparison.progress import Screen, screen
 from dr_lab.comparison.study import Study, prepare
-from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.rank import rank
+from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.effects.residual_force import ResidualForce

@@ -11,7 +11,8 @@ from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.search.climb_watch import Silence
-from dr_lab.diagnosis.search.ladder import Rung, climb
+from dr_lab.diagnosis.search.ladder import climb
+from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.workflows.record import record
 
 FEW = ("coulomb_friction", "actuator_delay", "sensor_time_offset", "base_tilt")

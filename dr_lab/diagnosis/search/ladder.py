@@ -2,16 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
 
 import mujoco
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_for_comparison, fitted_to_the_end
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_to_the_end
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
 from dr_lab.diagnosis.search.as_special_case import holds
-from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
@@ -19,32 +17,13 @@ from dr_lab.diagnosis.search.pruning import Pruned, finished, lean
 from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.rank import Ranking, beside, rank
 from dr_lab.diagnosis.search.restack import reconsider
+from dr_lab.diagnosis.search.richer_kinds import enriched
+from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
-from dr_lab.diagnosis.search.verdict import Verdict, decide
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases, candidates
 from dr_lab.effects.effect import Effect, PlacedEffect, Scales
 from dr_lab.physics.model import Model
-
-
-@dataclass(frozen=True)
-class Rung:
-    """One model that was judged, and what the catalogue could do for it.
-
-    Attributes:
-        base: the model, refitted and scored.
-        ranking: the candidates beside it, best first.
-        verdict: the judgement on them.
-    """
-
-    base: FittedModel
-    ranking: tuple[Candidate, ...]
-    verdict: Verdict
-
-    @classmethod
-    def judged(cls, bench: Bench, base: FittedModel, ranking: tuple[Candidate, ...]) -> "Rung":
-        """The rung of a ranking beside a model, by the rules of a bench."""
-        return cls(base, ranking, decide(base, ranking, bench.evidence, bench.scored))
 
 
 @dataclass(frozen=True)
@@ -154,7 +133,7 @@ class Ladder:
 
     def with_first_step(self) -> "Ladder":
         """The ladder with the effect that its first rung names, where it names one."""
-        return replace(self, steps=(step_from(self.rungs[0]),) if self.rungs[0].verdict.effects else ())
+        return replace(self, steps=(self.rungs[0].step(),) if self.rungs[0].verdict.effects else ())
 
     def pruned(self, bench: Bench, cases: SpecialCases) -> "Ladder":
         """The ladder with no more effects, and none richer, than the logs ask for; see `pruning.finished`."""
@@ -185,6 +164,7 @@ def climb(
        This is decided once another effect stands beside it, and when the climb is over.
     5. If this leaves a model that was not judged before, the climb goes on from there.
     6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
+       Where that was beside other effects than now, they are weighed anew when the climb is over (`enriched`).
 
     Args:
         bench: data and settings.
@@ -203,6 +183,9 @@ def climb(
         ranking = ranking or rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
+        if over and at_floor(ladder.models[-1].held_out, bench.evidence):
+            placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
+            ladder = replace(ladder, steps=enriched(deletions, base, ladder.steps, placed, ladder.rungs, watch))
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
         _tell(watch, ladder)
@@ -253,7 +236,7 @@ def _with_rung(
     over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
     steps = ladder.steps
     if not over:
-        steps = reconsider(bench, ladder.base, (*steps, _ended(bench, step_from(rung))), range(len(steps)))
+        steps = reconsider(bench, ladder.base, (*steps, rung.step().ended(bench)), range(len(steps)))
     if over:
         pruned = finished(deletions, ladder.base, steps, cases)
     else:
@@ -264,20 +247,3 @@ def _with_rung(
     dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
     rungs = (*ladder.rungs, rung)
     return replace(ladder, rungs=rungs, steps=steps, dropped=dropped, put_back=put_back), over
-
-
-def _ended(bench: Bench, step: AddedEffect) -> AddedEffect:
-    return replace(step, fitted_model=fitted_for_comparison(bench, step.fitted_model))
-
-
-def step_from(rung: Rung) -> AddedEffect:
-    """The first effect that a rung names, or else finds worth a trial, with what may yet take its place.
-
-    There must be one. A candidate that it beats, but that explains more than one of its rivals, may.
-    """
-    found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
-    chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
-    least = min((each.gain.total for each in rivals), default=inf)
-    passed = (c for c in rung.ranking if c.final and c.resolved and rung.verdict.status[c.effect.label] == "rejected")
-    near = tuple(c for c in passed if c.gain.total > least and not holds(c.effect, chosen.effect))
-    return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near)

@@ -76,10 +76,13 @@ def closes_little(poorer: FittedModel, richer: FittedModel, settings: EvidenceSe
     Of a gap g = χ² − 1 of the poorer model a cause closes the share `least_named`, s, or more. A model with the wrong
     law may close less, also beyond doubt: everything that is small and regular, such as the time step of another
     simulator, moves the parameters of some law away from zero. Where s g is more than what the noise is known to
-    (`floor` − 1) the richer model shows itself whether it leaves noise. So only smaller gaps are asked.
+    (`floor` − 1) the richer model shows itself whether it leaves noise. So only smaller gaps are asked. What the
+    richer model leaves is no gap where it is such as instruments make and no force does.
     """
     gain = paired_gain(poorer.held_out, richer.held_out, settings)
-    channel = poorer.held_out.channels.get(gain.place)
+    channel, left = (each.held_out.channels.get(gain.place) for each in (poorer, richer))
+    if left is not None and left.instrumental:
+        return False
     gap = (poorer.held_out.chi2 if channel is None else channel.chi2) - 1
     hardly = settings.least_named * gap < settings.floor - 1
     return hardly and gain.channels.get(gain.place, 0.0) < settings.least_named

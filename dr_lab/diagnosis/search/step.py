@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import cast
 
-from dr_lab.diagnosis.evidence.bench import FittedModel
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_for_comparison
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.effects.effect import PlacedEffect
 
@@ -35,6 +35,10 @@ class AddedEffect:
         """The same without one that does not take its place."""
         kept = [tuple(each for each in group if each is not alternative) for group in (self.rivals, self.passed)]
         return replace(self, rivals=kept[0], passed=kept[1])
+
+    def ended(self, bench: Bench) -> "AddedEffect":
+        """The same with its model fitted until its scores can be compared."""
+        return replace(self, fitted_model=fitted_for_comparison(bench, self.fitted_model))
 
     @property
     def effect(self) -> PlacedEffect:

@@ -12,7 +12,9 @@ from pretended_rankings import CLEAR, candidate, model
 from dr_lab.comparison.short_shifts import short_shifts
 from dr_lab.diagnosis.evidence.bench import Bench
 from dr_lab.diagnosis.search.candidate import Candidate
-from dr_lab.diagnosis.search.ladder import Ladder, Rung, decide
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.rung import Rung
+from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.reports.gap_entries import SHORT_SHIFT
 
 STEP = 0.002  # s

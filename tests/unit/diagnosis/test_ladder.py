@@ -14,7 +14,7 @@ from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
-from dr_lab.diagnosis.search.ladder import Ladder, _with_rung, climb, step_from
+from dr_lab.diagnosis.search.ladder import Ladder, _with_rung, climb
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
 from dr_lab.diagnosis.search.rank import Ranking
 from dr_lab.diagnosis.search.restack import reconsider
@@ -157,12 +157,12 @@ def test_what_explains_more_than_a_rival_may_yet_take_the_place_though_it_was_be
     first, second, third = ranking
     status = dict(zip((c.effect.label for c in ranking), ("equivalent", "rejected", "equivalent"), strict=True))
     verdict = replace(judged.verdict, effects=(first.effect.label, third.effect.label), status=status)
-    step = step_from(replace(judged, ranking=ranking, verdict=verdict))
+    step = replace(judged, ranking=ranking, verdict=verdict).step()
     assert [c.effect.label for c in step.rivals] == [third.effect.label]
     assert [c.effect.label for c in step.passed] == [second.effect.label]
     assert step.without(step.passed[0]).alternatives == step.rivals
     alone = replace(verdict, effects=(first.effect.label,))
-    assert step_from(replace(judged, ranking=ranking, verdict=alone)).passed == ()
+    assert replace(judged, ranking=ranking, verdict=alone).step().passed == ()
 
 
 @pytest.mark.parametrize(("dropped", "left"), [((), 1), (("quadratic_drag@hinge",), 0)])

@@ -23,14 +23,16 @@ from trial_machines import (
     effects_of,
     labels,
     prepare,
+    score,
 )
 
 from dr_lab.comparison.notes import put_back
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.score import ChannelScore
 from dr_lab.diagnosis.search import pruning
 from dr_lab.diagnosis.search.deletions import Deletions
-from dr_lab.diagnosis.search.put_back import PutBack
+from dr_lab.diagnosis.search.put_back import PutBack, closes_little
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
@@ -139,6 +141,20 @@ def test_a_richer_effect_closes_half_of_a_gap_that_hardly_shows(
     climbed = climb(Machine((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, 0.01)}), monkeypatch)
     assert labels(effects_of(climbed.models[-1])) == [stays.label]
     assert [back.little for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
+
+
+def test_what_instruments_make_is_no_gap_of_which_a_richer_effect_closes_little() -> None:
+    """χ² 1.09 to 1.06: a third of the gap above white noise, and all of it where the rest is the instruments' own."""
+    counts = np.full(WINDOWS, 300.0)
+
+    def fitted(chi2: float, *, instrumental: bool) -> FittedModel:
+        channel = ChannelScore(chi2 * counts, counts, 1.0, instrumental)
+        held_out = replace(score(np.full(BLOCKS, chi2 - 1)), channels={"position": channel})
+        return cast(FittedModel, SimpleNamespace(held_out=held_out))
+
+    poorer = fitted(1.09, instrumental=True)
+    assert closes_little(poorer, fitted(1.06, instrumental=False), SETTINGS)
+    assert not closes_little(poorer, fitted(1.06, instrumental=True), SETTINGS)
 
 
 @pytest.mark.parametrize(("creep", "stays"), [(CREEP.low, SIMPLE), (CREEP.high, SLIDING)])

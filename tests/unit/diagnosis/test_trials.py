@@ -28,7 +28,8 @@ from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_
 from dr_lab.diagnosis.search import ladder, pruning
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
-from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.catalogue import SpecialCases
@@ -121,7 +122,6 @@ def test_a_ladder_that_stays_is_judged_in_the_end_without_fits_that_are_known(mo
         return fewer, base
 
     prepare(machine, monkeypatch)
-    monkeypatch.setattr(ladder, "fitted_for_comparison", lambda _, model: model)
     monkeypatch.setattr(Deletions, "_as_good_as_it_can", noted)
     climbed = ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=Silence())
     assert labels(effects_of(climbed.models[-1])) == labels([first, second])

@@ -24,7 +24,8 @@ from pretended_rankings import (
 from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
-from dr_lab.diagnosis.search.ladder import Ladder, Rung, _as_before
+from dr_lab.diagnosis.search.ladder import Ladder, _as_before
+from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import _absorbed, decide
 from dr_lab.reports.quantity import number, percent
