@@ -13,7 +13,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
-from dr_lab.diagnosis.search import ladder, pruning, put_back, restack, richer_kinds, step
+from dr_lab.diagnosis.search import in_place, ladder, pruning, put_back, restack, step
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
@@ -105,7 +105,7 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let nothing be simulated."""
     for name in ("candidates", "rank"):
         monkeypatch.setattr(ladder, name, getattr(machine, name))
-    monkeypatch.setattr(richer_kinds, "rank", machine.rank)
+    monkeypatch.setattr(in_place, "rank", machine.rank)
     monkeypatch.setattr(step, "fitted_for_comparison", lambda _, fitted_model: fitted_model)
     monkeypatch.setattr(restack, "_on", machine.on)
     monkeypatch.setattr(Deletions, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))

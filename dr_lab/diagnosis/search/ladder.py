@@ -12,12 +12,12 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
 from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.diagnosis.search.deletions import Deletions
+from dr_lab.diagnosis.search.in_place import weighed_anew
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean
 from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.rank import Ranking, beside, rank
 from dr_lab.diagnosis.search.restack import reconsider
-from dr_lab.diagnosis.search.richer_kinds import enriched
 from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -164,7 +164,9 @@ def climb(
        This is decided once another effect stands beside it, and when the climb is over.
     5. If this leaves a model that was not judged before, the climb goes on from there.
     6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
-       Where that was beside other effects than now, they are weighed anew when the climb is over (`enriched`).
+       Where that was beside other effects than now, they are weighed anew when the climb is over (`weighed_anew`).
+    7. After an effect is named the same one at other sites is asked first, for a machine's joints are built alike, and
+       the whole catalogue where none of these is named. What is added so is weighed against others in the end, too.
 
     Args:
         bench: data and settings.
@@ -180,12 +182,13 @@ def climb(
         found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
         placed = _to_try(ladder, found.placed, bench.evidence)
         ranking = _as_before(ladder, placed, bench.evidence)
+        ranking = ranking or _elsewhere(bench, ladder, placed, most, watch)
         ranking = ranking or rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
-        if over and at_floor(ladder.models[-1].held_out, bench.evidence):
+        if over:
             placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
-            ladder = replace(ladder, steps=enriched(deletions, base, ladder.steps, placed, ladder.rungs, watch))
+            ladder = replace(ladder, steps=weighed_anew(deletions, base, ladder.steps, placed, ladder.rungs, watch))
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
         _tell(watch, ladder)
@@ -194,6 +197,21 @@ def climb(
 def _tell(watch: ClimbWatch, ladder: Ladder) -> None:
     first, last = ladder.base.held_out, ladder.models[-1].held_out
     watch.found([step.effect.label for step in ladder.steps], first.chi2, last.chi2)
+
+
+def _elsewhere(
+    bench: Bench, ladder: Ladder, placed: Sequence[PlacedEffect], most: int, watch: ClimbWatch
+) -> Ranking | None:
+    """The ranking of the effect that was named last at the other sites, if it names one; None where noise is left."""
+    last = ladder.models[-1]
+    if not ladder.steps or len(ladder.steps) >= most or at_floor(last.held_out, bench.evidence):
+        return None
+    step = ladder.steps[-1]
+    same = [effect for effect in placed if effect.effect.name == step.effect.effect.name]
+    if not same or not step.proven or not ladder.rungs[-1].verdict.effects:
+        return None
+    ranking = rank(bench, last, same, watch.ranking(len(same)))
+    return ranking if Rung.judged(bench, ranking.base, ranking.candidates).verdict.effects else None
 
 
 def _as_before(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> Ranking | None:

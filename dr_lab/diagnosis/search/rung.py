@@ -41,4 +41,5 @@ class Rung:
             c for c in self.ranking if c.final and c.resolved and self.verdict.status[c.effect.label] == "rejected"
         )
         near = tuple(c for c in passed if c.gain.total > least and not holds(c.effect, chosen.effect))
-        return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near)
+        alike = len({c.effect.effect.name for c in self.ranking}) == 1
+        return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near, alike=alike)

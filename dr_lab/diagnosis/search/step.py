@@ -17,6 +17,7 @@ class AddedEffect:
         rivals: fitted alternatives that these data cannot separate from it, given all that was added since.
         proven: whether it was added with support, or kept when trials were over; else it is on trial, or a user added
             it.
+        alike: whether it was compared with the same effect at other sites alone.
         passed: fitted alternatives that it beat, but that explain more than one of its rivals does: what is still
             missing may have decided between them.
     """
@@ -25,6 +26,7 @@ class AddedEffect:
     rivals: tuple[Candidate, ...]
     proven: bool = True
     passed: tuple[Candidate, ...] = ()
+    alike: bool = False
 
     @property
     def alternatives(self) -> tuple[Candidate, ...]:
