@@ -164,7 +164,13 @@ def reason_of(study: Study, rung: Rung, ladder: Ladder) -> str:
     told = [entries.trade(labels[0], found[labels[0]], rival, found[rival], study.bench) for rival in labels[1:]]
     later = [f"It was put back to {b.poorer}; see the notes." for b in ladder.put_back if labels[:1] == (b.richer,)]
     lost = ["It was dropped again; see the notes."] if set(labels[:1]) & set(ladder.dropped) else []
-    return " ".join([rung.verdict.reason, *told, *(later or lost)])
+    same = ["Nothing but the effect named before was tried here, at other sites."] if _elsewhere(rung, ladder) else []
+    return " ".join([rung.verdict.reason, *same, *told, *(later or lost)])
+
+
+def _elsewhere(rung: Rung, ladder: Ladder) -> bool:
+    """Whether a rung asked only where else the effect of the one before it sits."""
+    return rung.alike and rung is not ladder.rungs[0]
 
 
 def _ranking(study: Study, rung: Rung, ladder: Ladder) -> tuple[CandidateEntry, ...]:

@@ -29,6 +29,11 @@ class Rung:
         """The rung of a ranking beside a model, by the rules of a bench."""
         return cls(base, ranking, decide(base, ranking, bench.evidence, bench.scored))
 
+    @property
+    def alike(self) -> bool:
+        """Whether one effect alone was compared, at several sites or at one."""
+        return len({c.effect.effect.name for c in self.ranking}) == 1
+
     def step(self) -> AddedEffect:
         """The first effect that it names, or else finds worth a trial, with what may yet take its place.
 
@@ -41,5 +46,4 @@ class Rung:
             c for c in self.ranking if c.final and c.resolved and self.verdict.status[c.effect.label] == "rejected"
         )
         near = tuple(c for c in passed if c.gain.total > least and not holds(c.effect, chosen.effect))
-        alike = len({c.effect.effect.name for c in self.ranking}) == 1
-        return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near, alike=alike)
+        return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near, alike=self.alike)

@@ -26,9 +26,23 @@ RICHER, POORER = "smooth_friction@arm", "coulomb_friction@arm"
     ],
 )
 def test_what_became_of_the_named_effect(put_back: tuple[object, ...], dropped: tuple[str, ...], told: str) -> None:
-    rung = SimpleNamespace(ranking=(), verdict=SimpleNamespace(effects=(RICHER,), reason="It explains much."))
-    ladder = SimpleNamespace(put_back=put_back, dropped=dropped)
-    assert reason_of(cast(Any, None), cast(Any, rung), cast(Any, ladder)) == told
+    rung = explaining(alike=False)
+    ladder = SimpleNamespace(put_back=put_back, dropped=dropped, rungs=(rung,))
+    assert reason_of(cast(Any, None), rung, cast(Any, ladder)) == told
+
+
+def test_a_ranking_of_one_effect_at_other_sites_says_so() -> None:
+    first, second = explaining(alike=True), explaining(alike=True)
+    ladder = cast(Any, SimpleNamespace(put_back=(), dropped=(), rungs=(first, second)))
+    assert reason_of(cast(Any, None), first, ladder) == "It explains much."
+    assert reason_of(cast(Any, None), second, ladder).endswith(
+        "Nothing but the effect named before was tried here, at other sites."
+    )
+
+
+def explaining(*, alike: bool) -> Any:  # noqa: ANN401 (a rung's double)
+    verdict = SimpleNamespace(effects=(RICHER,), reason="It explains much.")
+    return SimpleNamespace(ranking=(), alike=alike, verdict=verdict)
 
 
 def test_what_makes_up_for_an_effect_differs_as_it_is_printed(monkeypatch: pytest.MonkeyPatch) -> None:
