@@ -95,10 +95,10 @@ def candidate(base: FittedModel, found: FittedModel) -> Candidate:
     return Candidate(effects_of(found)[-1], found, gain, known, 1.0, cast(Any, None))
 
 
-def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
+def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch, most: int = 4) -> Ladder:
     """The ladder of a machine."""
     prepare(machine, monkeypatch)
-    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=Silence())
+    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=most, watch=Silence())
 
 
 def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,7 +42,8 @@ def climbed(study: Study, effects: Mapping[str, Effect], *, most: int, watch: Cl
     Args:
         study: model and logs, with the shortest windows.
         effects: the catalogue.
-        most: most effects that are added; 0 ranks them, and adds what is named to look at it.
+        most: most effects that are added, one at several sites counted once; 0 ranks them, and adds what is named to
+            look at it.
         watch: is told what begins and what was found so far.
 
     Returns:

@@ -35,7 +35,7 @@ def close(
         effects: the catalogue, by name.
         next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
-        most: most effects that are added; 0 ranks them, as `diagnose` does.
+        most: most effects that are added, one at several sites counted once; 0 ranks them, as `diagnose` does.
         run_dir: the run folder.
 
     Returns:

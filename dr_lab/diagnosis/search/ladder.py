@@ -151,7 +151,7 @@ def climb(
     most: int,
     watch: ClimbWatch,
 ) -> Ladder:
-    """Climb from a fitted base until a rung finds nothing to add, or `most` effects are added.
+    """Climb from a fitted base until a rung finds nothing to add, or needs more than `most` effects.
 
     1. A rung adds the first of the effects that it names. The others are its rivals, which each later rung reconsiders:
        a rival that explains more beside what was added since takes its place, one that explains less is dropped. So
@@ -174,7 +174,7 @@ def climb(
         effects: the catalogue.
         scales: size of the effects' bounds.
         compiled: the compiled nominal model.
-        most: most effects that are added.
+        most: most effects that are added; one that sits at several sites counts once.
         watch: is told what each ranking tries, and what was found where the climb goes on after it.
     """
     ladder, cases, deletions = Ladder((), base, ()), SpecialCases(effects, scales, compiled), Deletions(bench)
@@ -182,7 +182,7 @@ def climb(
         found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
         placed = _to_try(ladder, found.placed, bench.evidence)
         ranking = _as_before(ladder, placed, bench.evidence)
-        ranking = ranking or _elsewhere(bench, ladder, placed, most, watch)
+        ranking = ranking or _elsewhere(bench, ladder, placed, watch)
         ranking = ranking or rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
@@ -199,12 +199,10 @@ def _tell(watch: ClimbWatch, ladder: Ladder) -> None:
     watch.found([step.effect.label for step in ladder.steps], first.chi2, last.chi2)
 
 
-def _elsewhere(
-    bench: Bench, ladder: Ladder, placed: Sequence[PlacedEffect], most: int, watch: ClimbWatch
-) -> Ranking | None:
+def _elsewhere(bench: Bench, ladder: Ladder, placed: Sequence[PlacedEffect], watch: ClimbWatch) -> Ranking | None:
     """The ranking of the effect that was named last at the other sites, if it names one; None where noise is left."""
     last = ladder.models[-1]
-    if not ladder.steps or len(ladder.steps) >= most or at_floor(last.held_out, bench.evidence):
+    if not ladder.steps or at_floor(last.held_out, bench.evidence):
         return None
     step = ladder.steps[-1]
     same = [effect for effect in placed if effect.effect.name == step.effect.effect.name]
@@ -243,6 +241,13 @@ def _richer(effect: PlacedEffect, model: Model) -> bool:
     return any(isinstance(each, PlacedEffect) and holds(effect, each) for each in model.effects)
 
 
+def _adds(rung: Rung, steps: Sequence[AddedEffect], most: int) -> bool:
+    """Whether a rung finds something to add, and there is room for it."""
+    found = (*rung.verdict.effects, *rung.verdict.trial)[:1]
+    names = {step.effect.effect.name for step in steps} | {label.partition("@")[0] for label in found}
+    return bool(found) and len(names) <= most
+
+
 def _with_rung(
     deletions: Deletions, ladder: Ladder, ranking: Ranking, cases: SpecialCases, most: int
 ) -> tuple[Ladder, bool]:
@@ -251,7 +256,7 @@ def _with_rung(
     if ranking.back_from is not None:
         deletions.tried(ranking.back_from)
     rung = Rung.judged(bench, ranking.base, ranking.candidates)
-    over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
+    over = not _adds(rung, ladder.steps, most)
     steps = ladder.steps
     if not over:
         steps = reconsider(bench, ladder.base, (*steps, rung.step().ended(bench)), range(len(steps)))

@@ -100,3 +100,12 @@ def test_where_nothing_else_has_it_the_whole_catalogue_is_asked(monkeypatch: pyt
     climbed = climb(machine, monkeypatch)
     assert labels(effects_of(climbed.models[-1])) == labels([SIMPLE, CONFUSED])
     assert ranked[1:3] == [[THERE.label], labels([THERE, CONFUSED])]
+
+
+@pytest.mark.parametrize(("there", "added"), [(THERE, [SIMPLE, THERE]), (CONFUSED, [SIMPLE])])
+def test_an_effect_at_several_sites_counts_once(
+    there: PlacedEffect, added: list[PlacedEffect], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine, _ = rubbing_twice((there,))
+    climbed = climb(machine, monkeypatch, most=1)
+    assert labels(effects_of(climbed.models[-1])) == labels(added)
