@@ -31,6 +31,7 @@ SIMPLE, RICH = (placed(block(), name, "rail") for name in ("coulomb_friction", "
 LOGS = SimpleNamespace(channels=(), log=np.arange(30))
 BENCH = cast(Bench, SimpleNamespace(evidence=SETTINGS, scored="held-out logs", fit=LOGS))
 WIDE = np.repeat(20.0, BLOCKS)
+SCATTERED = np.array([1.0, 1.0, -0.3, 1.0, -0.3, 1.0, -0.3, -0.3, 1.0, -0.3])  # a gain in doubt, by block
 NOTHING = cast(Any, None)
 
 

@@ -165,8 +165,8 @@ def climb(
     5. If this leaves a model that was not judged before, the climb goes on from there.
     6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
        Where that was beside other effects than now, they are weighed anew when the climb is over (`weighed_anew`).
-    7. After an effect is named the same one at other sites is asked first, for a machine's joints are built alike, and
-       the whole catalogue where none of these is named. What is added so is weighed against others in the end, too.
+    7. After an effect is added the same one at other sites is asked first, for a machine's joints are built alike, and
+       the whole catalogue where none of these is added. What is added so is weighed against others in the end, too.
 
     Args:
         bench: data and settings.
@@ -200,16 +200,22 @@ def _tell(watch: ClimbWatch, ladder: Ladder) -> None:
 
 
 def _elsewhere(bench: Bench, ladder: Ladder, placed: Sequence[PlacedEffect], watch: ClimbWatch) -> Ranking | None:
-    """The ranking of the effect that was named last at the other sites, if it names one; None where noise is left."""
-    last = ladder.models[-1]
-    if not ladder.steps or at_floor(last.held_out, bench.evidence):
+    """The ranking of the effect that was added last at the other sites, if it adds one; None where noise is left.
+
+    Where the effect stands at several sites, one more is added on trial, too: what the others still miss scatters what
+    it gains.
+    """
+    last, rungs = ladder.models[-1], ladder.rungs
+    if not ladder.steps or at_floor(last.held_out, bench.evidence) or not _first(rungs[-1]):
         return None
-    step = ladder.steps[-1]
-    same = [effect for effect in placed if effect.effect.name == step.effect.effect.name]
-    if not same or not step.proven or not ladder.rungs[-1].verdict.effects:
+    name = ladder.steps[-1].effect.effect.name
+    same = [effect for effect in placed if effect.effect.name == name]
+    several = sum(step.proven and step.effect.effect.name == name for step in ladder.steps) > 1
+    if not 0 < len(same) < len(placed) or not (ladder.steps[-1].proven or several):
         return None
     ranking = rank(bench, last, same, watch.ranking(len(same)))
-    return ranking if Rung.judged(bench, ranking.base, ranking.candidates).verdict.effects else None
+    verdict = Rung.judged(bench, ranking.base, ranking.candidates).verdict
+    return ranking if verdict.effects or (several and verdict.trial) else None
 
 
 def _as_before(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> Ranking | None:
@@ -243,9 +249,13 @@ def _richer(effect: PlacedEffect, model: Model) -> bool:
 
 def _adds(rung: Rung, steps: Sequence[AddedEffect], most: int) -> bool:
     """Whether a rung finds something to add, and there is room for it."""
-    found = (*rung.verdict.effects, *rung.verdict.trial)[:1]
-    names = {step.effect.effect.name for step in steps} | {label.partition("@")[0] for label in found}
-    return bool(found) and len(names) <= most
+    names = {step.effect.effect.name for step in steps} | {label.partition("@")[0] for label in _first(rung)}
+    return bool(_first(rung)) and len(names) <= most
+
+
+def _first(rung: Rung) -> tuple[str, ...]:
+    """The label of what a rung adds: what it names first, or else finds worth a trial; nothing where there is none."""
+    return (*rung.verdict.effects, *rung.verdict.trial)[:1]
 
 
 def _with_rung(

@@ -1,11 +1,12 @@
 """Effects weighed anew in their place: beside what was missing at first, and against what they may be confused with."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from effect_machines import block, hanging, placed
-from trial_machines import BLOCKS, RICH, SETTINGS, SIMPLE, Machine, climb, effects_of, labels
+from trial_machines import BLOCKS, RICH, SCATTERED, SETTINGS, SIMPLE, Machine, climb, effects_of, labels
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.search.rank import Ranking
@@ -109,3 +110,26 @@ def test_an_effect_at_several_sites_counts_once(
     machine, _ = rubbing_twice((there,))
     climbed = climb(machine, monkeypatch, most=1)
     assert labels(effects_of(climbed.models[-1])) == labels(added)
+
+
+def test_at_a_third_site_it_is_asked_on_trial(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a fourth site misses scatters what the third one gains; the whole catalogue waits until both are in."""
+    (torque,) = THERE.parameters
+    third, fourth = (
+        replace(THERE, site=site, parameters=(replace(torque, name=f"coulomb_friction@{site}.torque"),))
+        for site in ("third", "fourth")
+    )
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        missing = 20.0 * (SIMPLE not in effects) + 8.0 * (THERE not in effects)
+        if third in effects and fourth in effects:
+            return np.repeat(missing, BLOCKS)
+        alone = third in effects or fourth in effects
+        return missing + (2.0 - 1.5 * SCATTERED if alone else np.repeat(2.0, BLOCKS))
+
+    machine = Machine((SIMPLE, THERE, third, fourth, CONFUSED), left)
+    ranked = noting(machine)
+    climbed = climb(machine, monkeypatch)
+    assert labels(effects_of(climbed.models[-1])) == labels([SIMPLE, THERE, third, fourth])
+    assert [len(each) for each in ranked[:5]] == [5, 3, 2, 1, 1]
+    assert [bool(rung.verdict.trial) for rung in climbed.rungs[:4]] == [False, False, True, False]

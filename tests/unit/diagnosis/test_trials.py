@@ -11,6 +11,7 @@ from trial_machines import (
     BLOCKS,
     NOTHING,
     RICH,
+    SCATTERED,
     SETTINGS,
     SIMPLE,
     WIDE,
@@ -35,8 +36,6 @@ from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
-
-SCATTERED = np.array([1.0, 1.0, -0.3, 1.0, -0.3, 1.0, -0.3, -0.3, 1.0, -0.3])
 
 
 def test_what_is_in_doubt_takes_no_place_of_what_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
