@@ -103,12 +103,16 @@ def _open(joints: Sequence[str], found: Found, candidates: Sequence[Series]) -> 
     for j in sorted({j for j, _ in sizes}):
         listed = " or ".join(sorted((size for of, size in sizes if of == j), key=float))
         yield f"The unit of {joints[j]} is not seen in the motion: {listed} times it would fit about as well."
-    moved = [joints[j] for j, each in enumerate(found.readings) if each.offset]
-    if moved:
-        yield (
-            f"The logs' angles of {', '.join(moved)} count from another direction than the model's, as the weight "
-            "shows: offsets were added."
-        )
+    moved = [j for j, each in enumerate(found.readings) if each.offset]
+    for shows, some in (
+        ("weight shows", [joints[j] for j in moved if j not in found.turning]),
+        ("gyroscope shows", [joints[j] for j in moved if j in found.turning]),
+    ):
+        if some:
+            yield (
+                f"The logs' angles of {', '.join(some)} count from another direction than the model's, as the {shows}: "
+                "offsets were added."
+            )
 
 
 def _different(a: Readings, b: Readings) -> bool:

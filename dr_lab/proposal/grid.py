@@ -86,6 +86,18 @@ def grid_of(series: Sequence[Series], settings: ProposalSettings) -> Grid:
     return Grid(np.array(logs), np.concatenate(times), shape / shape.sum(), settings.grid)
 
 
+def known_in(series: Sequence[Series], grid: Grid) -> NDArray[np.bool_]:
+    """Which test functions lie in time that some series share and in which none of them pauses, shape (w,)."""
+    known = np.zeros(len(grid.log), bool)
+    for k in np.unique(grid.log):
+        signals, rows = [each.signals[k] for each in series], grid.log == k
+        begin, end = max(s.time[0] for s in signals), min(s.time[-1] for s in signals)
+        reach = 0.5 * float(np.ptp(grid.time[0]))
+        within = (grid.time[rows, 0] >= begin) & (grid.time[rows, -1] <= end)
+        known[rows] = within & _held(grid.time[rows].mean(1), signals, reach)
+    return known
+
+
 def path_of(series: Series, grid: Grid, cutoff: float, *, rate: bool = False) -> Path:
     """Smooth a series and evaluate it on a grid; a rate is integrated from the beginning of every log on."""
     parts = np.zeros((3, *grid.time.shape))

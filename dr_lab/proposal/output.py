@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from dr_lab.proposal.drives import Drive
+from dr_lab.proposal.gyros import Gyros
 from dr_lab.proposal.search import Found
 from dr_lab.proposal.survey import Series
 from dr_lab.proposal.trial import Trial
@@ -61,6 +62,7 @@ class Positions:
         commands: series that may be commands; the drives of the trial.
         drives: actuators that they may command.
         doubts: what is unsure, a sentence each.
+        gyros: gyroscopes that joints carry, compared with readings of these; None where there are none to compare.
     """
 
     outputs: tuple[Output, ...]
@@ -69,3 +71,4 @@ class Positions:
     commands: tuple[Series, ...]
     drives: tuple[Drive, ...]
     doubts: tuple[str, ...]
+    gyros: Gyros | None = None

@@ -6,31 +6,31 @@ from dataclasses import replace
 import mujoco
 
 from dr_lab.errors import DataError
-from dr_lab.proposal.against import beyond, of_command, too_fast
 from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
-from dr_lab.proposal.drives import Drive, drives_of, factors, integrates
-from dr_lab.proposal.grid import Grid, grid_of, held_of, integral_of, path_of, wrapped
+from dr_lab.proposal.drives import drives_of, factors
+from dr_lab.proposal.grid import wrapped
 from dr_lab.proposal.lengths import joints_may_be
+from dr_lab.proposal.mounting import worn
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.per_control import per_control
-from dr_lab.proposal.search import Options, search
+from dr_lab.proposal.search import Options
 from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.settled import all_rests, unit_by_rests
 from dr_lab.proposal.survey import Series, Survey
-from dr_lab.proposal.trial import Trial
+from dr_lab.proposal.tries import Tries
 from dr_lab.proposal.velocities import may_be_rate, no_velocities
-from dr_lab.proposal.weight import shown_by_weight
+from dr_lab.proposal.zeros import felt_zeros
 
 _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 _FREE = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
 
 
 def find_positions(
-    model: mujoco.MjModel, logs: Survey, settings: ProposalSettings, *, sensed: bool = False
+    model: mujoco.MjModel, logs: Survey, settings: ProposalSettings, sensed: Sequence[Output] = ()
 ) -> Positions:
     """Find the joints' positions by name and, where all joints can be measured, by the equation of motion.
 
@@ -38,12 +38,13 @@ def find_positions(
         model: compiled, the caller's own.
         logs: what the logs hold.
         settings: thresholds.
-        sensed: whether sensors read something of the logs, so that no joint needs to.
+        sensed: what sensors read of the logs, so that no joint needs to; gyroscopes tell of the joints.
 
     Raises:
         DataError: no series fits a joint, or none of the readings is one of this robot.
     """
     model = unhindered(model)
+    tries = Tries(model, worn(model, sensed), settings)
     joints = [model.joint(i).name for i in range(model.njnt)]
     named, nameless = ([s for s in logs.named(kind) if s.moves] for kind in ("position", ""))
     unnamed = [] if len(named) >= len(joints) else no_velocities(nameless, nameless, settings)
@@ -53,22 +54,22 @@ def find_positions(
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [*_commanding(model, logs), *unnamed]
     if scalar and not assignable:
-        found = _by_velocities(model, logs, asked, settings)
+        found = _by_velocities(tries, logs, asked)
         if found is not None:
             return found
     if not (scalar and assignable):
-        found = positions_by_name(model, logs, candidates, asked, sensed=sensed)
+        found = positions_by_name(model, logs, candidates, asked, sensed=bool(sensed))
         return replace(found, outputs=tuple(counted_by_name(each, settings) for each in found.outputs))
     options = _options(model, allowed, candidates, asked, settings)
-    searched = _searched(model, candidates, asked, options, settings)
+    searched = tries.search(candidates, asked, options)
     if nameless and not unnamed and searched.lacks_command(settings):
-        searched = _with_nameless(model, candidates, searched, nameless, options, settings)
-    searched = _with_velocities(model, candidates, searched, options, settings)
+        searched = _with_nameless(tries, candidates, searched, nameless, options)
+    searched = _with_velocities(tries, candidates, searched, options)
     searched, counted = with_counts(
         [bool(kind == _HINGE) for kind in model.jnt_type],
         candidates,
         searched,
-        lambda narrow: _searched(model, candidates, searched.asked, narrow, settings, rates=searched.trial.rates),
+        lambda narrow: tries.search(candidates, searched.asked, narrow, rates=searched.trial.rates),
         settings,
     )
     if not (by_words or len(joints) == len(candidates) == 1):
@@ -98,13 +99,12 @@ def _positions(
         replace(output, counts=tuple(settings.counts) if j in counted else ()) for j, output in enumerate(read)
     )
     doubts = doubts_of(joints, searched.found, candidates, settings)
-    return Positions(outputs, searched.found, searched.trial, searched.asked, searched.drives, doubts)
+    return Positions(outputs, searched.found, searched.trial, searched.asked, searched.drives, doubts, searched.gyros)
 
 
-def _by_velocities(
-    model: mujoco.MjModel, logs: Survey, asked: Sequence[Series], settings: ProposalSettings
-) -> Positions | None:
+def _by_velocities(tries: Tries, logs: Survey, asked: Sequence[Series]) -> Positions | None:
     """The joints' velocities where no series may be their positions; None unless the motion is that of the robot."""
+    model, settings = tries.model, tries.settings
     joints = [model.joint(i).name for i in range(model.njnt)]
     rates = [s for s in logs.named("velocity") if s.moves]
     allowed = joints_may_be(model, joints, rates)
@@ -112,7 +112,7 @@ def _by_velocities(
         return None
     options = _options(model, allowed, rates, (), settings, rates=range(len(rates)))
     try:
-        searched = _searched(model, rates, asked, options, settings, rates=range(len(rates)))
+        searched = tries.search(rates, asked, options, rates=range(len(rates)))
     except DataError:  # no log is long enough
         return None
     if float(searched.found.outcome.left.max()) > settings.fits:
@@ -121,17 +121,13 @@ def _by_velocities(
 
 
 def _with_velocities(
-    model: mujoco.MjModel,
-    candidates: Sequence[Series],
-    searched: Searched,
-    options: Sequence[Options],
-    settings: ProposalSettings,
+    tries: Tries, candidates: Sequence[Series], searched: Searched, options: Sequence[Options]
 ) -> Searched:
     """The search with series as velocities that explain nothing as positions, where they then do; else as it was.
 
     A name that says a position, or its unit, is believed, and so is a rest where a command would have a position.
     """
-    readings, outcome = searched.found.readings, searched.found.outcome
+    settings, readings, outcome = tries.settings, searched.found.readings, searched.found.outcome
     bad = [j for j, reading in enumerate(readings) if outcome.left[j] > settings.nothing]
     rates = [k for j in bad if may_be_rate(candidates[k := readings[j].series])]
     asked = [each for each in searched.asked if each.words.kind not in ("drive", "asked velocity")]
@@ -141,62 +137,32 @@ def _with_velocities(
     kept = [each for each in searched.asked if all(each is not candidates[k] for k in rates)]
     places = [(reading.series,) for reading in readings]
     narrow = [
-        turned if j in bad else Options(place, each.units, each.angle)
+        turned if j in bad else replace(each, series=place)
         for j, (place, each, turned) in enumerate(
-            zip(places, options, _options(model, places, candidates, (), settings, rates=rates), strict=True)
+            zip(places, options, _options(tries.model, places, candidates, (), settings, rates=rates), strict=True)
         )
     ]
-    found = _searched(model, candidates, kept, narrow, settings, rates=rates)
+    found = tries.search(candidates, kept, narrow, rates=rates)
     return found if float(found.found.outcome.left[bad].max()) <= settings.fits else searched
 
 
 def _with_nameless(
-    model: mujoco.MjModel,
+    tries: Tries,
     candidates: Sequence[Series],
     searched: Searched,
     nameless: Sequence[Series],
     options: Sequence[Options],
-    settings: ProposalSettings,
 ) -> Searched:
     """The search with series as commands whose names say nothing, where one of them explains a motion; else as it was.
 
     Velocities are none: they would do what a damping does.
     """
     try:
-        spare = no_velocities(nameless, candidates, settings)
-        wider = _searched(model, candidates, [*searched.asked, *spare], options, settings)
+        spare = no_velocities(nameless, candidates, tries.settings)
+        wider = tries.search(candidates, [*searched.asked, *spare], options)
     except DataError:  # they share no time with the positions
         return searched
-    return wider if wider.explained_by(spare, settings) else replace(searched, vain=tuple(spare))
-
-
-def _searched(
-    model: mujoco.MjModel,
-    candidates: Sequence[Series],
-    asked: Sequence[Series],
-    options: Sequence[Options],
-    settings: ProposalSettings,
-    *,
-    rates: Collection[int] = (),
-) -> Searched:
-    """The reading of the candidates, some of which are velocities, that fits best, with what may be commands."""
-    grid = grid_of([*candidates, *asked], settings)
-    force, biased = per_control(model)
-    drives = drives_of(model, force)
-    rests = all_rests(candidates, asked, settings) if any(each.servo or each.added for each in drives) else {}
-    trial = _trial(model, grid, candidates, asked, drives, settings, biased=biased, rates=rates)
-    found = search(
-        trial,
-        options,
-        lambda readings, outcome: (
-            sum(of_command(drive, readings, outcome, asked, rests, settings) for drive in drives)
-            + len(beyond(model, trial, readings))
-            + too_fast(model, trial, readings, settings.contract.speed_limit)
-        ),
-        lambda readings: shown_by_weight(trial, readings, settings),
-        settings,
-    )
-    return Searched(trial, found, tuple(asked), drives)
+    return wider if wider.explained_by(spare, tries.settings) else replace(searched, vain=tuple(spare))
 
 
 def _options(
@@ -209,13 +175,13 @@ def _options(
     rates: Collection[int] = (),
 ) -> list[Options]:
     """What each joint's position may be, or its velocity where a series is one."""
-    found = []
+    found, felt = [], felt_zeros(model)
     for j, each in enumerate(allowed):
         rate, angle = bool({*each} & {*rates}), bool(model.jnt_type[j] == _HINGE)
         series = [candidates[k] for k in each]
         known = _known(model, j, series, rate=rate)
         said = {s.words.unit or unit_by_rests(s, asked, known, settings) for s in series}
-        found.append(Options(tuple(each), _units(said, known), angle and not rate))
+        found.append(Options(tuple(each), _units(said, known), angle and not rate, felt[j]))
     return found
 
 
@@ -235,36 +201,6 @@ def unhindered(model: mujoco.MjModel) -> mujoco.MjModel:
     for limited in (model.actuator_forcelimited, model.jnt_actfrclimited, model.tendon_actfrclimited):
         limited[:] = 0
     return model
-
-
-def _trial(
-    model: mujoco.MjModel,
-    grid: Grid,
-    candidates: Sequence[Series],
-    asked: Sequence[Series],
-    drives: Sequence[Drive],
-    settings: ProposalSettings,
-    *,
-    biased: bool,
-    rates: Collection[int],
-) -> Trial:
-    moved, rated = {drive.dof for drive in drives}, {drive.dof for drive in drives if drive.rate}
-    rising = {drive.dof for drive in drives if not drive.added and integrates(model)[model.actuator(drive.name).id]}
-    velocities = [k for k, each in enumerate(asked) if each.words.kind == "asked velocity"]
-    return Trial(
-        model=model,
-        grid=grid,
-        candidates=tuple(path_of(each, grid, settings.cutoff, rate=k in rates) for k, each in enumerate(candidates)),
-        drives=tuple(tuple(held_of(each, grid, lag) for lag in settings.lags) for each in asked),
-        lags=settings.lags,
-        servos=tuple(model.nu == 0 and each.words.kind != "drive" for each in asked),
-        driven=tuple(dof in moved for dof in range(model.nv)),
-        biased=biased,
-        rates=frozenset(rates),
-        integrals=tuple(tuple(integral_of(each, grid, lag) for lag in settings.lags) for each in asked if rising),
-        integrated=frozenset(rising),
-        barred=frozenset((k, dof) for k in velocities for dof in range(model.nv) if dof not in rated),
-    )
 
 
 def _units(said: Set[str], known: Mapping[str, float]) -> tuple[float, ...]:

@@ -14,6 +14,7 @@ from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
 from dr_lab.proposal.lengths import lengths_as_angles
+from dr_lab.proposal.mounting import mounted
 from dr_lab.proposal.moving_alike import moving_alike
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
@@ -78,7 +79,8 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
         spec.option.timestep, spec.option.integrator = settings.timestep, mujoco.mjtIntegrator.mjINT_RK4
     sensed = find_sensors(spec, logs, settings)
     sensed = find_sensor_parts(spec, _without(logs, sensed.outputs), sensed, settings)
-    found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed=bool(sensed.outputs))
+    found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed.outputs)
+    sensed = mounted(sensed, found, settings)
     commands = _commands(found, _without(logs, sensed.outputs), settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
     apart = _apart(spec, found, settings)

@@ -7,16 +7,18 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.trial import Outcome, Reading
+from dr_lab.proposal.zeros import OFFSETS
 
 _FEW = 4  # joints whose signs are tried in all combinations
 _UNUSUAL = 0.5  # cost of a unit other than SI, and of commands with an unusual gain
+_MOUNTED = 1.0  # cost of a gyroscope that is mounted otherwise than in the model, as of a joint that counts otherwise
 _BASES = 8  # readings without offsets that are tried with them
-_OFFSETS = (math.pi, math.pi / 2, -math.pi / 2)  # of angles that count from another direction
 
 Readings = tuple[Reading, ...]
 
@@ -28,12 +30,14 @@ class Options:
     Attributes:
         series: places among the candidates.
         units: factors to SI, the likeliest first.
-        angle: whether it may count from another direction.
+        angle: whether it may count from another direction …
+        felt: … and whether the equation of motion feels from which.
     """
 
     series: tuple[int, ...]
     units: tuple[float, ...]
     angle: bool
+    felt: bool = True
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,7 @@ class Found:
         others: readings that explain the motion about as well.
         plain: those of them that are about as plain.
         plain_left: share of the squares that each of these leaves.
+        turning: the joints whose readings gyroscopes confirm.
     """
 
     readings: Readings
@@ -53,14 +58,33 @@ class Found:
     others: tuple[Readings, ...]
     plain: tuple[Readings, ...]
     plain_left: tuple[float, ...] = ()
+    turning: frozenset[int] = frozenset()
+
+
+class Turning(Protocol):
+    """What tells of a reading by kinematics alone: gyroscopes (`dr_lab.proposal.gyros`)."""
+
+    @property
+    def joints(self) -> Sequence[int]:
+        """The joints of which it tells."""
+        ...
+
+    def left(self, readings: Readings) -> float:
+        """Share of the squares that a reading leaves."""
+        ...
+
+    def asked_for(self, options: Sequence[Options], readings: Readings) -> Readings:
+        """The reading near another that leaves least."""
+        ...
 
 
 def search(
     trial: Callable[[Readings], Outcome],
     options: Sequence[Options],
     cost: Callable[[Readings, Outcome], float],
-    shown: Callable[[Readings], bool],
+    shown: Callable[[Readings, Outcome], bool],
     settings: ProposalSettings,
+    gyros: Turning | None = None,
 ) -> Found:
     """Try readings, and choose.
 
@@ -70,6 +94,7 @@ def search(
         cost: what speaks against a reading that explains the motion as well as others do.
         shown: whether the motion shows the offsets of a reading that has some.
         settings: how many are tried, and how close counts as equal.
+        gyros: what they say of the joints goes before what forces say, if the model has some and the logs, too.
     """
     tried: dict[Readings, Outcome] = {}
 
@@ -82,17 +107,45 @@ def search(
         _signs_and_units(order, options, outcome)
     if len(options) > 1:
         _swaps(options, tried, outcome)
+    turned = gyros.asked_for(options, min(tried, key=outcome)) if gyros else None
+    if gyros and turned and gyros.left(turned) <= settings.fits:
+        outcome(turned)
+        options = [replace(each, felt=each.felt and j not in gyros.joints) for j, each in enumerate(options)]
     if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.well:
         _offsets(options, tried, outcome)
-        tried = _shown(tried, shown)
-    if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.fits:
-        tried = {readings: each for readings, each in tried.items() if not _moved(readings)}
+    plainly = _shown(tried, shown, settings)
+    if float(min(plainly.values(), key=lambda each: each.total).left.max()) > settings.fits:
+        plainly = {readings: each for readings, each in plainly.items() if not _moved(readings)}
+    found = _chosen(plainly, cost, settings)
+    if not gyros or not turned or gyros.left(turned) > settings.fits:
+        return found
+    most = settings.near * gyros.left(turned) + settings.close
+    agreeing = {r: each for r, each in {**plainly, turned: tried[turned]}.items() if gyros.left(r) <= most}
+    confirmed = replace(_chosen(agreeing, cost, settings), turning=frozenset(gyros.joints))
+    return _preferred(found, confirmed, settings)
+
+
+def _chosen(
+    tried: Mapping[Readings, Outcome], cost: Callable[[Readings, Outcome], float], settings: ProposalSettings
+) -> Found:
+    """The plainest of the readings that explain the motion about as well as the best."""
     near = _near(tried, settings)
     costs = {readings: _cost(readings) + cost(readings, tried[readings]) for readings in near}
     chosen = min(near, key=lambda readings: (costs[readings], tried[readings].total))
     others = tuple(readings for readings in near if readings != chosen)
     plain = tuple(readings for readings in others if costs[readings] <= costs[chosen] + _UNUSUAL)
-    return Found(chosen, tried[chosen], others, plain, tuple(tried[readings].total for readings in plain))
+    lefts = tuple(tried[readings].total for readings in plain)
+    return Found(chosen, tried[chosen], others, plain, lefts)
+
+
+def _preferred(found: Found, agreeing: Found, settings: ProposalSettings) -> Found:
+    """What the gyroscopes say, unless it is plainer that they are mounted otherwise than in the model.
+
+    Where both are as plain, the motion decides if it fits the one and not the other.
+    """
+    more = _cost(agreeing.readings) - _cost(found.readings) - _MOUNTED
+    fits = float(found.outcome.left.max()) <= settings.well < settings.fits < float(agreeing.outcome.left.max())
+    return found if more > 0 or (more == 0 and fits) else agreeing
 
 
 def _cost(readings: Readings) -> float:
@@ -170,14 +223,23 @@ def most_near(best: Outcome, settings: ProposalSettings) -> float:
     return best.total + settings.close + (settings.near - 1) * open_squares
 
 
-def _shown(tried: Mapping[Readings, Outcome], shown: Callable[[Readings], bool]) -> dict[Readings, Outcome]:
-    """The readings without offsets, and those with offsets that leave less than these and are shown."""
-    least = min(each.total for readings, each in tried.items() if not _moved(readings))
-    return {
-        readings: each
-        for readings, each in tried.items()
-        if not _moved(readings) or (each.total < least and shown(readings))
-    }
+def _shown(
+    tried: Mapping[Readings, Outcome], shown: Callable[[Readings, Outcome], bool], settings: ProposalSettings
+) -> dict[Readings, Outcome]:
+    """The readings without offsets, and those with offsets that leave less than these and are shown.
+
+    Only those are asked that explain the motion about as well as the best.
+    """
+    kept = {readings: each for readings, each in tried.items() if not _moved(readings)}
+    least = best = min(kept.values(), key=lambda each: each.total)
+    moved = ((readings, each) for readings, each in tried.items() if _moved(readings) and each.total < least.total)
+    for readings, each in sorted(moved, key=lambda pair: pair[1].total):
+        if each.total > most_near(best, settings):
+            break
+        if shown(readings, each):
+            kept[readings] = each
+            best = min(best, each, key=lambda outcome: outcome.total)
+    return kept
 
 
 def _moved(readings: Readings) -> bool:
@@ -186,7 +248,7 @@ def _moved(readings: Readings) -> bool:
 
 def _directions(options: Sequence[Options]) -> Iterator[tuple[float, ...]]:
     """Offsets of all joints: each combination of two, and of more those that move one."""
-    choices = [(0.0, *_OFFSETS) if each.angle else (0.0,) for each in options]
+    choices = [(0.0, *OFFSETS) if each.angle and each.felt else (0.0,) for each in options]
     every = itertools.product(*choices)
     yield from (each for each in every if len(options) <= 2 or sum(offset != 0.0 for offset in each) == 1)
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dr_lab.proposal.drives import Drive, explains
+from dr_lab.proposal.gyros import Gyros
 from dr_lab.proposal.search import Found
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
@@ -20,6 +21,7 @@ class Searched:
         asked: series that were tried as commands; the drives of the trial.
         drives: actuators that they may command.
         vain: series that were tried as commands, too, and explain nothing.
+        gyros: the gyroscopes that the readings were compared with; None without any.
     """
 
     trial: Trial
@@ -27,6 +29,7 @@ class Searched:
     asked: tuple[Series, ...]
     drives: tuple[Drive, ...]
     vain: tuple[Series, ...] = ()
+    gyros: Gyros | None = None
 
     def lacks_command(self, settings: ProposalSettings) -> bool:
         """Whether no series explains the motion of an actuator's joint; one to be added may not be needed."""

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from dr_lab.physics.compiling import compiled
 from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.gyros import TURNS
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Survey
@@ -25,7 +26,7 @@ _SENSORS: Mapping[VectorKind, mujoco.mjtSensor] = {
 _SI: Mapping[VectorKind, str] = {"position": "m", "orientation": "1", "rate": "rad/s", "acceleration": "m/s^2"}
 _AT_SITES = ("rate", "acceleration")
 _TINY = 1e-6  # m or rad, between frames that are one
-_TURNS = {"rad/s": 1.0, "deg/s": np.pi / 180}
+NO_UNIT = "no unit is named; read as"  # what is unsure of numbers whose unit nothing tells
 
 
 @dataclass
@@ -120,12 +121,12 @@ def read_vector(vector: Vector, vectors: Sequence[Vector], settings: ProposalSet
     orientations = [each for each in vectors if each.kind == "orientation"]
     if vector.kind != "rate" or len(orientations) != 1:
         sure = said or vector.kind == "orientation"
-        return said or usual, "by its name", [] if sure else [f"no unit is named; read as {usual}"]
+        return said or usual, "by its name", [] if sure else [f"{NO_UNIT} {usual}"]
     gain, alike = _agreement(*_turns(vector, orientations[0], settings.half_width))
     if alike < settings.turns:
         doubt = f"it turns another way than the orientation (correlation {alike:.2g}): another frame, order or body?"
         return said or usual, "by its name", [doubt]
-    seen = min(_TURNS, key=lambda name: abs(np.log(gain / _TURNS[name])))
+    seen = min(TURNS, key=lambda name: abs(np.log(gain / TURNS[name])))
     doubts = [f"the orientation turns as {seen} would, not as {said}"] if said not in ("", seen) else []
     if _agreement(*_turns(vector, orientations[0], 0.0))[1] > settings.derived:
         doubts.append("it follows the orientation from sample to sample; if it was computed from that, delete it")
