@@ -6,7 +6,7 @@ lacks. So it tells signs, units and zeros of the joints that carry it before any
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import permutations, product
 from typing import NamedTuple
 
 import mujoco
@@ -108,14 +108,20 @@ class Gyros:
             expected, logged = expected - expected.mean(0), gyro.values - gyro.values.mean(0)
             yield gyro, Compared(logged.T @ expected, float((logged**2).sum()), (expected**2).sum(0))
 
-    def asked_for(self, options: Sequence[Options], readings: Readings) -> Readings:
-        """The reading that the gyroscopes ask for: another sign, unit or zero of a joint as long as that leaves less."""
+    def asked_for(self, options: Sequence[Options], readings: Readings) -> Readings | None:
+        """The reading that the gyroscopes ask for: another sign, unit or zero of a joint as long as that leaves less.
+
+        None where they do not turn so either, or far better if they were mounted otherwise than the model says.
+        """
+        found, near, close = readings, self.settings.near, self.settings.close
         while True:
-            others = [other for j in self.joints for other in _others(options[j], j, readings)]
-            best = min(others, key=self.left, default=readings)
-            if self.settings.near * self.left(best) + self.settings.close >= self.left(readings):
-                return readings
-            readings = best
+            others = [other for j in self.joints for other in _others(options[j], j, found)]
+            best = min(others, key=self.left, default=found)
+            if near * self.left(best) + close >= self.left(found):
+                break
+            found = best
+        otherwise = np.mean([least(gyro, compared) for gyro, compared in self.compared(readings)])
+        return found if self.left(found) <= min(self.settings.fits, near * float(otherwise) + close) else None
 
 
 def gyros_of(
@@ -153,6 +159,17 @@ def rates(model: mujoco.MjModel, site: int, qpos: Array, qvel: Array) -> Array:
         mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_SITE, site, turning, 1)
         found[k] = turning[:3]
     return found
+
+
+def orders(gyro: Gyro) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Every axis of the model that each column may read, and every sign."""
+    count = len(gyro.axes)
+    yield from product(permutations(range(3), count), product((1, -1), repeat=count))
+
+
+def least(gyro: Gyro, compared: Compared) -> float:
+    """Share of the squares that is left with the order, signs and unit of the columns that leave least."""
+    return min(compared.left(unit, *order) for order in orders(gyro) for unit in gyro.units)
 
 
 def _carrying(model: mujoco.MjModel, body: int) -> tuple[int, ...]:

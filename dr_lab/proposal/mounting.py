@@ -3,11 +3,10 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import permutations, product
 
 import mujoco
 
-from dr_lab.proposal.gyros import TURNS, Compared, Gyro
+from dr_lab.proposal.gyros import TURNS, Compared, Gyro, least, orders
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.sensors import NO_UNIT, Sensed
 from dr_lab.proposal.settings import ProposalSettings
@@ -70,10 +69,10 @@ def mounted(sensed: Sensed, found: Positions, settings: ProposalSettings) -> Sen
 def _mounted(sensed: Sensed, gyro: Gyro, compared: Compared, settings: ProposalSettings) -> Sensed:
     every = [*_mountings(gyro, compared)]
     as_modelled = min((each for each in every if not each.changes), key=lambda each: each.left)
-    least = min(each.left for each in every)
-    if least > settings.fits:
-        return _unlike(sensed, gyro, least)
-    most = settings.near * least + settings.close
+    left = least(gyro, compared)
+    if left > settings.fits:
+        return _unlike(sensed, gyro, left)
+    most = settings.near * left + settings.close
     best = min((each for each in every if each.left <= most), key=lambda each: (each.changes, each.left))
     mine = [each for each in sensed.outputs if each.channel.split(".")[1] == gyro.sensor]
     read = {_AXES.index(letter): part for each in mine for letter, part in _parts(each)}
@@ -90,7 +89,7 @@ def _mounted(sensed: Sensed, gyro: Gyro, compared: Compared, settings: ProposalS
 
 def _mountings(gyro: Gyro, compared: Compared) -> Iterator[_Mounting]:
     """Every order and sign of the axes, in every unit."""
-    for axes, signs in product(permutations(range(3), len(gyro.axes)), product((1, -1), repeat=len(gyro.axes))):
+    for axes, signs in orders(gyro):
         changes = sum(a != b for a, b in zip(axes, gyro.axes, strict=True)) + signs.count(-1)
         for unit, factor in TURNS.items():
             yield _Mounting(unit, axes, signs, compared.left(factor, axes, signs), changes)

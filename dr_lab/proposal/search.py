@@ -50,7 +50,7 @@ class Found:
         others: readings that explain the motion about as well.
         plain: those of them that are about as plain.
         plain_left: share of the squares that each of these leaves.
-        turning: the joints whose readings gyroscopes confirm.
+        turning: the joints whose zeros gyroscopes tell.
     """
 
     readings: Readings
@@ -73,8 +73,8 @@ class Turning(Protocol):
         """Share of the squares that a reading leaves."""
         ...
 
-    def asked_for(self, options: Sequence[Options], readings: Readings) -> Readings:
-        """The reading near another that leaves least."""
+    def asked_for(self, options: Sequence[Options], readings: Readings) -> Readings | None:
+        """The reading, found from another one, that it asks for; None where it tells nothing."""
         ...
 
 
@@ -108,21 +108,44 @@ def search(
     if len(options) > 1:
         _swaps(options, tried, outcome)
     turned = gyros.asked_for(options, min(tried, key=outcome)) if gyros else None
-    if gyros and turned and gyros.left(turned) <= settings.fits:
-        outcome(turned)
-        options = [replace(each, felt=each.felt and j not in gyros.joints) for j, each in enumerate(options)]
-    if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.well:
-        _offsets(options, tried, outcome)
-    plainly = _shown(tried, shown, settings)
-    if float(min(plainly.values(), key=lambda each: each.total).left.max()) > settings.fits:
-        plainly = {readings: each for readings, each in plainly.items() if not _moved(readings)}
-    found = _chosen(plainly, cost, settings)
-    if not gyros or not turned or gyros.left(turned) > settings.fits:
-        return found
+    if not gyros or not turned:
+        return _chosen(_fitting(options, tried, outcome, shown, settings), cost, settings)
+    outcome(turned)
     most = settings.near * gyros.left(turned) + settings.close
-    agreeing = {r: each for r, each in {**plainly, turned: tried[turned]}.items() if gyros.left(r) <= most}
-    confirmed = replace(_chosen(agreeing, cost, settings), turning=frozenset(gyros.joints))
-    return _preferred(found, confirmed, settings)
+    told = frozenset(
+        j for j in gyros.joints if all(gyros.left(_with(turned, j, offset=each)) > most for each in _others(turned[j]))
+    )
+    untold = [replace(each, felt=each.felt and j not in told) for j, each in enumerate(options)]
+    fitting = _fitting(untold, tried, outcome, shown, settings)
+    agreeing = {r: each for r, each in {**fitting, turned: tried[turned]}.items() if gyros.left(r) <= most}
+    confirmed = replace(_chosen(agreeing, cost, settings), turning=told)
+    return _preferred(_chosen(fitting, cost, settings), confirmed, settings)
+
+
+def _fitting(
+    options: Sequence[Options],
+    tried: dict[Readings, Outcome],
+    total: Callable[[Readings], float],
+    shown: Callable[[Readings, Outcome], bool],
+    settings: ProposalSettings,
+) -> dict[Readings, Outcome]:
+    """What was tried, with offsets where none leaves little without; these count where weight shows them."""
+    if _least(tried) > settings.well:
+        _offsets(options, tried, total)
+    fitting = _shown(tried, shown, settings)
+    if _least(fitting) > settings.fits:
+        fitting = {readings: each for readings, each in fitting.items() if not _moved(readings)}
+    return fitting
+
+
+def _least(tried: Mapping[Readings, Outcome]) -> float:
+    """What the best reading leaves of the joint of which it leaves most."""
+    return float(min(tried.values(), key=lambda each: each.total).left.max())
+
+
+def _others(reading: Reading) -> Iterator[float]:
+    """The other directions from which an angle may count."""
+    return (offset for offset in (0.0, *OFFSETS) if offset != reading.offset)
 
 
 def _chosen(
