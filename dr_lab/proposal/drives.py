@@ -13,6 +13,7 @@ from dr_lab.proposal.by_name import matches
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
 from dr_lab.proposal.trial import Given, Outcome
+from dr_lab.proposal.words import electric_unit
 from dr_lab.trajectory import Array
 
 # Sizes of the units that are mistaken for one another, by the SI unit of a command.
@@ -193,21 +194,20 @@ def _takes(drive: Drive, series: Series) -> bool:
 def _command(
     drive: Drive, series: Sequence[Series], given: Given, outcome: Outcome, settings: ProposalSettings
 ) -> Command:
-    idle = float(outcome.idle[drive.dof])
-    servo = given.stiffness > 0
+    idle, mine, servo = float(outcome.idle[drive.dof]), series[given.series], given.stiffness > 0
     base = drive.unit if not servo else ("m" if drive.unit == "N" else "rad")
     gain = given.gain / (given.stiffness if servo else drive.force)
-    words = series[given.series].words
-    unit, scale, doubts = _unit(gain, base, words.unit, settings, stated=servo or not drive.added)
+    said = mine.words.unit or electric_unit(mine.place.path, base)
+    unit, scale, doubts = _unit(gain, base, said, settings, stated=servo or not drive.added)
     explained = 1 - given.left / max(idle, np.finfo(float).tiny)
     late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
     why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}{drive.told}"
     if explained < settings.explained:
-        doubts = _unexplained(drive, series[given.series], given, max(explained, 0.0))
-        unit, why = words.unit or base, f"by its name{drive.told}"
-        return Command(drive, series[given.series], given, unit, 1, 1.0, 0.0, seen=False, why=why, doubts=doubts)
+        doubts = _unexplained(drive, mine, given, max(explained, 0.0))
+        unit, why = mine.words.unit or base, f"by its name{drive.told}"
+        return Command(drive, mine, given, unit, 1, 1.0, 0.0, seen=False, why=why, doubts=doubts)
     sign = 1 if gain > 0 else -1
-    return Command(drive, series[given.series], given, unit, sign, scale, 0.0, seen=True, why=why, doubts=tuple(doubts))
+    return Command(drive, mine, given, unit, sign, scale, 0.0, seen=True, why=why, doubts=tuple(doubts))
 
 
 def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -> tuple[str, ...]:

@@ -41,7 +41,9 @@ class Compared(NamedTuple):
     def left(self, factor: float, axes: Sequence[int], signs: Sequence[int]) -> float:
         """Share of the squares that is left between sign · factor · logged and the axes expected, column by column."""
         logged, expected = factor**2 * self.logged, float(self.expected[[*axes]].sum())
-        shared = factor * sum(sign * self.cross[k, axis] for k, (axis, sign) in enumerate(zip(axes, signs, strict=True)))
+        shared = factor * sum(
+            sign * self.cross[k, axis] for k, (axis, sign) in enumerate(zip(axes, signs, strict=True))
+        )
         return float(logged + expected - 2 * shared) / max(logged, expected, np.finfo(float).tiny)
 
 
@@ -124,9 +126,7 @@ class Gyros:
         return found if self.left(found) <= min(self.settings.fits, near * float(otherwise) + close) else None
 
 
-def gyros_of(
-    trial: Trial, worn: Mapping[str, Mapping[int, Series]], settings: ProposalSettings
-) -> Gyros | None:
+def gyros_of(trial: Trial, worn: Mapping[str, Mapping[int, Series]], settings: ProposalSettings) -> Gyros | None:
     """The gyroscopes that joints carry and whose rates are known while the joints' angles are; None without any.
 
     Args:

@@ -1,4 +1,4 @@
-"""How gyroscopes sit on what the joints move: the unit, order and signs of their columns, by how the joints turn them."""
+"""How gyroscopes sit on what joints move: unit, order and signs of their columns, by how the joints turn them."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence

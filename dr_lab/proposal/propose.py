@@ -25,6 +25,7 @@ from dr_lab.proposal.sensor_parts import find_sensor_parts
 from dr_lab.proposal.sensors import find_sensors
 from dr_lab.proposal.setpoints import at_rest, counted, of_units
 from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.sprung import Sprung, beside_springs
 from dr_lab.proposal.survey import Survey
 
 
@@ -81,7 +82,8 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     sensed = find_sensor_parts(spec, _without(logs, sensed.outputs), sensed, settings)
     found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed.outputs)
     sensed = mounted(sensed, found, settings)
-    commands = _commands(found, _without(logs, sensed.outputs), settings)
+    sprung = beside_springs(found.trial, found.found, settings) if found.trial and found.found else None
+    commands = _commands(found, _without(logs, sensed.outputs), sprung, settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
     apart = _apart(spec, found, settings)
     free = free_parameters(robot, spec, found, commands, settings)
@@ -98,6 +100,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *_of_logs(logs),
             *sensed.doubts,
             *found.doubts,
+            *(sprung.doubts(robot.joints, found.found.outcome) if sprung and found.found else ()),
             *moving_alike(found.outputs, commands, logs, settings),
             *doubts_of_counts(found.outputs),
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
@@ -130,13 +133,13 @@ def _without(logs: Survey, outputs: Sequence[Output]) -> Survey:
     return replace(logs, series=tuple(each for each in logs.series if each.place not in taken))
 
 
-def _commands(found: Positions, logs: Survey, settings: ProposalSettings) -> tuple[Command, ...]:
+def _commands(found: Positions, logs: Survey, sprung: Sprung | None, settings: ProposalSettings) -> tuple[Command, ...]:
     used = {part.place for output in found.outputs for part in output.parts}
     usable = [k for k, series in enumerate(found.commands) if series.place not in used]
-    if found.found is None:
+    if sprung is None:
         chosen = commands_by_name(found.drives, [found.commands[k] for k in usable])
     else:
-        chosen = choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
+        chosen = choose_commands(found.drives, found.commands, usable, sprung.outcome, settings)
     every = (*chosen, *by_elimination(found, chosen, logs, settings))
     return tuple(_as_positions(each, found, settings) for each in every)
 

@@ -113,6 +113,7 @@ class Trial:
         integrals: of `drives`, from the beginning of every log on; empty where no actuator integrates its control.
         integrated: degrees of freedom whose actuators integrate their control, from an unknown value on.
         barred: which drives command no force at which degree of freedom, as their names say: (drive, dof).
+        sprung: whether a spring may act beside what brakes.
     """
 
     model: mujoco.MjModel
@@ -127,6 +128,7 @@ class Trial:
     integrals: tuple[tuple[Array, ...], ...] = ()
     integrated: frozenset[int] = frozenset()
     barred: frozenset[tuple[int, int]] = frozenset()
+    sprung: bool = False
 
     def motion(self, readings: Sequence[Reading]) -> Motion:
         """The motion that a reading makes of the candidates, joints in the model's order."""
@@ -149,7 +151,7 @@ class Trial:
             force = force - actuation(self.model, motion, controls).idle
         need = weak.project(force)
         size = np.maximum(self._size(needed), ((need - need.mean(0)) ** 2).sum(0))
-        brakes = [_brakes(weak.project, motion, dof) for dof in range(self.model.nv)]
+        brakes = [_brakes(weak.project, motion, dof, spring=self.sprung) for dof in range(self.model.nv)]
         constant = np.ones((len(weak), 1))
         idle = np.array([_fit(need[:, j], constant, b)[2] for j, b in enumerate(brakes)]) / size
         given = tuple(
@@ -231,11 +233,12 @@ def _std(columns: Array, left: float) -> float:
     return float(np.sqrt(left / (max(count - known, 1) * squares))) if squares > 0 else np.inf
 
 
-def _brakes(project: object, motion: Motion, dof: int) -> Array:
-    """What may brake a joint: viscous and dry friction, and a rotor."""
+def _brakes(project: object, motion: Motion, dof: int, *, spring: bool) -> Array:
+    """What may brake a joint: viscous and dry friction, a rotor, and a spring if there may be one."""
     speed, bend = motion.qvel[:, dof], motion.qacc[:, dof]
     slow = SLOW * float(np.sqrt((speed**2).mean())) or 1.0
-    columns = np.stack([-speed, -np.tanh(speed / slow), -bend], axis=1)
+    pull = [-motion.qpos[:, dof]] if spring else []
+    columns = np.stack([-speed, -np.tanh(speed / slow), -bend, *pull], axis=1)
     return project(columns)  # pyright: ignore[reportCallIssue]
 
 

@@ -78,6 +78,7 @@ _PRESENT: dict[str, set[str]] = {
     "act": _POSITION - {"x", "y", "z", "state", "joints"},
     "current": {"pos", "position", "positions", "qpos", "angle", "angles"},
 }
+_ELECTRIC = {"current": "A", "voltage": "V"}
 _TORQUE_CURRENT = ("i", "q")  # of a motor that is driven by field orientation
 # Single letters that are units, with the words of quantities that are measured in them.
 _LETTERS: dict[str, set[str]] = {
@@ -200,6 +201,21 @@ def read_name(
     numbers = [int(word) for word in (words or rest) if word.isdigit()]
     identity = frozenset(word for word in (*words, *rest) if _names(word))
     return Words(_kind(rest, above, unit_kind, asked), unit, asked, identity, numbers[-1] if numbers else None)
+
+
+def electric_unit(path: str, base: str) -> str:
+    """The unit of a current or voltage that commands a force and whose name says no unit; empty of everything else.
+
+    Args:
+        path: field or column of a drive.
+        base: SI unit of what it commands.
+    """
+    if base not in ("N·m", "N"):
+        return ""
+    words = [_bare(word) for word in tokens(path)]
+    if _TORQUE_CURRENT in itertools.pairwise(words):
+        return "A"
+    return next((unit for word, unit in _ELECTRIC.items() if word in words), "")
 
 
 def identity(name: str) -> frozenset[str]:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -16,6 +15,7 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.proposal.gyros import rates
 from dr_lab.proposal.propose import Proposal, propose
 from dr_lab.proposal.robot import read_robot
+from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import survey
 from dr_lab.proposal.zeros import felt_zeros
 from dr_lab.trajectory import Array
@@ -32,7 +32,7 @@ DEAF = HEAD.replace('<sensor><gyro name="gyro" site="imu"/></sensor>', "")
 FRICTION = HEAD.replace('frictionloss="0"', 'frictionloss="0.02"')
 CABLE = HEAD.replace('stiffness="0"', 'stiffness="0.6" springref="-0.5"')
 BALANCED = HEAD.replace('pos="0.035 0 0.012"', 'pos="0 0 0"')
-SAMPLE, SECONDS = 0.005, 4.0  # s
+RATE, SAMPLE, SECONDS = 200.0, 0.005, 4.0  # Hz, s, s
 NOISE = (5e-4, 3e-3)  # rad, rad/s
 
 
@@ -59,12 +59,16 @@ def same(values: Array) -> Array:
 
 
 @cache
-def settings() -> Any:
+def settings() -> ProposalSettings:
     return instantiate(compose("init", ["robot=it", "logs=[it]"]).proposal)
 
 
 def proposed(
-    truth: str, place: Callable[[Array], Array] = same, turn: Callable[[Array], Array] = same, robot: str = HEAD
+    truth: str,
+    place: Callable[[Array], Array] = same,
+    turn: Callable[[Array], Array] = same,
+    robot: str = HEAD,
+    drive: tuple[str, float] = ("torque", 1.0),
 ) -> Proposal:
     """What is made of three logs, after angles and rates were changed."""
     Path("head.xml").write_text(robot)
@@ -72,8 +76,8 @@ def proposed(
         angles, turning, torques = moved(truth, seed)
         named = [("{}_deg", ("pan", "tilt"), np.degrees(place(angles))), ("gyro_{}", "xyz", turn(turning))]
         columns = {name.format(k): row for name, keys, rows in named for k, row in zip(keys, rows.T, strict=True)}
-        torque = dict(zip(("pan_torque", "tilt_torque"), torques.T, strict=True))
-        write_csv(Path(f"logs/{seed}.csv"), {"time": SAMPLE * np.arange(len(angles)), **columns, **torque})
+        torque = {f"{joint}_{drive[0]}": row / drive[1] for joint, row in zip(("pan", "tilt"), torques.T, strict=True)}
+        write_csv(Path(f"logs/{seed}.csv"), {"time": np.arange(len(angles)) / RATE, **columns, **torque})
     return propose(read_robot("head.xml", None), survey(["logs/*.csv"], settings()), settings())
 
 
@@ -116,7 +120,7 @@ def test_a_robot_without_a_gyroscope_is_read_as_before() -> None:
         (lambda w: w * [1, 1, -1], axes("gyro_x", "gyro_y", "−gyro_z")),
         (lambda w: w * [1, -1, -1], axes("gyro_x", "−gyro_y", "−gyro_z")),  # upside down
         (lambda w: w[:, [2, 0, 1]], {"sensor.gyro": ("gyro_y, gyro_z, gyro_x", "rad/s", 0.0)}),
-        (lambda w: w + [0.1, -0.1, 0.05], GYRO),  # a bias
+        (lambda w: w + np.array([0.1, -0.1, 0.05]), GYRO),  # a bias
     ],
 )
 def test_unit_order_and_signs_of_a_gyroscope_are_found(
@@ -141,6 +145,14 @@ def test_a_zero_is_found_where_the_gyroscope_turns_about_another_axis(truth: str
 def test_a_sign_is_found_although_a_cable_pulls_as_another_zero_would() -> None:
     found = proposed(CABLE, lambda q: q * [1, -1])
     assert read_as(found) == PAN | {"tilt.position": ("−tilt_deg", "deg", 0.0)} | GYRO
+    assert [(each.unit, each.scale * each.sign) for each in found.commands] == [("N·m", 1.0)] * 2
+    assert any("A spring at tilt that the model lacks" in doubt for doubt in found.doubts)
+
+
+def test_a_current_gets_the_torque_constant_that_the_motion_shows() -> None:
+    found = proposed(FRICTION, drive=("current", 0.4))
+    assert [each.unit for each in found.commands] == ["N·m"] * 2
+    assert [each.scale for each in found.commands] == pytest.approx([0.4] * 2, rel=0.05)
 
 
 def test_a_gyroscope_that_turns_as_nothing_does_is_told() -> None:
