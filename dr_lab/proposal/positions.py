@@ -61,20 +61,31 @@ def find_positions(
         found = positions_by_name(model, logs, candidates, asked, sensed=bool(sensed))
         return replace(found, outputs=tuple(counted_by_name(each, settings) for each in found.outputs))
     options = _options(model, allowed, candidates, asked, settings)
-    searched = tries.search(candidates, asked, options)
-    if nameless and not unnamed and searched.lacks_command(settings):
-        searched = _with_nameless(tries, candidates, searched, nameless, options)
-    searched = _with_velocities(tries, candidates, searched, options)
-    searched, counted = with_counts(
-        [bool(kind == _HINGE) for kind in model.jnt_type],
-        candidates,
-        searched,
-        lambda narrow: tries.search(candidates, searched.asked, narrow, rates=searched.trial.rates),
-        settings,
-    )
+    searched, counted = _tried(tries, candidates, asked, options, [] if unnamed else nameless)
     if not (by_words or len(joints) == len(candidates) == 1):
         require_fit(joints, searched, candidates, logs, settings)
     return _positions(model, searched, candidates, settings, by_words=by_words, counted=counted)
+
+
+def _tried(
+    tries: Tries,
+    candidates: Sequence[Series],
+    asked: Sequence[Series],
+    options: Sequence[Options],
+    nameless: Sequence[Series],
+) -> tuple[Searched, Set[int]]:
+    """The reading that fits best, with nameless commands, velocities and counts where these fit; joints in counts."""
+    searched = tries.search(candidates, asked, options)
+    if nameless and searched.lacks_command(tries.settings):
+        searched = _with_nameless(tries, candidates, searched, nameless, options)
+    searched = _with_velocities(tries, candidates, searched, options)
+    return with_counts(
+        [bool(kind == _HINGE) for kind in tries.model.jnt_type],
+        candidates,
+        searched,
+        lambda narrow: tries.search(candidates, searched.asked, narrow, rates=searched.trial.rates),
+        tries.settings,
+    )
 
 
 def _commanding(model: mujoco.MjModel, logs: Survey) -> list[Series]:

@@ -1,6 +1,6 @@
 """A robot's description and its logs to a proposal: the model that is simulated, and what each series is."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -103,11 +103,8 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *(sprung.doubts(robot.joints, found.found.outcome) if sprung and found.found else ()),
             *moving_alike(found.outputs, commands, logs, settings),
             *doubts_of_counts(found.outputs),
-            *lengths_as_angles(compiled(spec.copy()), found.outputs),
-            *far_slides(compiled(spec.copy()), found, settings),
             *_of_commands(found, commands, settings),
-            *cut_off(compiled(spec.copy()), commands),
-            *_ranges(compiled(spec.copy()), found),
+            *_beside_model(compiled(spec.copy()), found, commands, settings),
         ),
     )
 
@@ -189,6 +186,16 @@ def _of_commands(found: Positions, commands: Sequence[Command], settings: Propos
             f"None of {', '.join(unused)} moves a joint as a command would: the machine is taken to swing freely."
         )
     return [*doubts, *of_units(found.outputs, commands, settings)]
+
+
+def _beside_model(
+    model: mujoco.MjModel, found: Positions, commands: Sequence[Command], settings: ProposalSettings
+) -> Iterator[str]:
+    """What is unsure of positions and commands beside what the model says of them."""
+    yield from lengths_as_angles(model, found.outputs)
+    yield from far_slides(model, found, settings)
+    yield from cut_off(model, commands)
+    yield from _ranges(model, found)
 
 
 def _ranges(model: mujoco.MjModel, found: Positions) -> list[str]:

@@ -112,9 +112,7 @@ def search(
         return _chosen(_fitting(options, tried, outcome, shown, settings), cost, settings)
     outcome(turned)
     most = settings.near * gyros.left(turned) + settings.close
-    told = frozenset(
-        j for j in gyros.joints if all(gyros.left(_with(turned, j, offset=each)) > most for each in _others(turned[j]))
-    )
+    told = _zeros_told(gyros, turned, most)
     untold = [replace(each, felt=each.felt and j not in told) for j, each in enumerate(options)]
     fitting = _fitting(untold, tried, outcome, shown, settings)
     agreeing = {r: each for r, each in {**fitting, turned: tried[turned]}.items() if gyros.left(r) <= most}
@@ -143,9 +141,11 @@ def _least(tried: Mapping[Readings, Outcome]) -> float:
     return float(min(tried.values(), key=lambda each: each.total).left.max())
 
 
-def _others(reading: Reading) -> Iterator[float]:
-    """The other directions from which an angle may count."""
-    return (offset for offset in (0.0, *OFFSETS) if offset != reading.offset)
+def _zeros_told(gyros: Turning, readings: Readings, most: float) -> frozenset[int]:
+    """The joints that leave more than `most` when they count from any other direction."""
+    others = {j: [each for each in (0.0, *OFFSETS) if each != readings[j].offset] for j in gyros.joints}
+    lefts = {j: [gyros.left(_with(readings, j, offset=each)) for each in some] for j, some in others.items()}
+    return frozenset(j for j, left in lefts.items() if min(left) > most)
 
 
 def _chosen(

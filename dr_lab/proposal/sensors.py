@@ -1,6 +1,6 @@
 """What sensors of the model, and of free bodies, read of the logs: positions, orientations, rates, accelerations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import mujoco
@@ -9,7 +9,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
 from dr_lab.physics.compiling import compiled
-from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.by_name import matches, said_of
 from dr_lab.proposal.gyros import TURNS
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.settings import ProposalSettings
@@ -24,7 +24,8 @@ _SENSORS: Mapping[VectorKind, mujoco.mjtSensor] = {
     "acceleration": mujoco.mjtSensor.mjSENS_ACCELEROMETER,
 }
 _SI: Mapping[VectorKind, str] = {"position": "m", "orientation": "1", "rate": "rad/s", "acceleration": "m/s^2"}
-_AT_SITES = ("rate", "acceleration")
+_MJCF = {"rate": "gyro", "acceleration": "accelerometer"}
+_AT_SITES = tuple(_MJCF)
 _TINY = 1e-6  # m or rad, between frames that are one
 NO_UNIT = "no unit is named; read as"  # what is unsure of numbers whose unit nothing tells
 
@@ -56,6 +57,7 @@ def find_sensors(spec: mujoco.MjSpec, logs: Survey, settings: ProposalSettings) 
     for kind in _SENSORS:
         mine = [vector for vector in vectors if vector.kind == kind]
         names = sensors_of(spec, kind) or (_added(spec, kind, found) if mine else [])
+        found.doubts += [] if names else _unworn(spec, kind, mine)
         for name, vector in pairs(names, mine, found):
             unit, why, doubts = read_vector(vector, vectors, settings)
             doubts += _of_inertia(spec, name, kind)
@@ -82,6 +84,17 @@ def _of_inertia(spec: mujoco.MjSpec, name: str, kind: VectorKind) -> list[str]:
     }.get(kind)
     remedy = 'if the logs hold that frame itself, write objtype="xbody" in the model'
     return [f'objtype="body" reads {apart} the frame of body {sensor.objname}; {remedy}'] if apart else []
+
+
+def _unworn(spec: mujoco.MjSpec, kind: VectorKind, vectors: Sequence[Vector]) -> Iterator[str]:
+    """What is said of an inertial sensor's numbers where the model has none; no joint's rates are such."""
+    joints = [joint.name for joint in spec.joints]
+    for parts in (vector.parts for vector in vectors if kind in _AT_SITES and not said_of(joints, vector.parts)):
+        yield (
+            f"{', '.join(str(each.place) for each in parts)} are a {_MJCF[kind]}'s by their names, and the model has "
+            f'none. Give the body that carries it a <site name="imu"/>, and <sensor> a <{_MJCF[kind]} site="imu"/>, to have '
+            "them read."
+        )
 
 
 def _added(spec: mujoco.MjSpec, kind: VectorKind, found: Sensed) -> list[str]:
