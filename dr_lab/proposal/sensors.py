@@ -90,10 +90,10 @@ def _unworn(spec: mujoco.MjSpec, kind: VectorKind, vectors: Sequence[Vector]) ->
     """What is said of an inertial sensor's numbers where the model has none; no joint's rates are such."""
     joints = [joint.name for joint in spec.joints]
     for parts in (vector.parts for vector in vectors if kind in _AT_SITES and not said_of(joints, vector.parts)):
+        listed, name = ", ".join(str(each.place) for each in parts), _MJCF[kind]
         yield (
-            f"{', '.join(str(each.place) for each in parts)} are a {_MJCF[kind]}'s by their names, and the model has "
-            f'none. Give the body that carries it a <site name="imu"/>, and <sensor> a <{_MJCF[kind]} site="imu"/>, to have '
-            "them read."
+            f"{listed} are a {name}'s by their names, and the model has none. To have them read, give the body that "
+            f'carries it a <site name="imu"/>, and <sensor> a <{name} site="imu"/>.'
         )
 
 
