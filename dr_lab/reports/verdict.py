@@ -89,7 +89,7 @@ def _found(report: GapReport) -> str:
 
 
 def _named(effects: Sequence[str]) -> str:
-    return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_listed(effects)}."
+    return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_by_effect(effects)}."
 
 
 def _asked(effects: Sequence[str]) -> str:
@@ -228,6 +228,20 @@ def _predicted(report: GapReport) -> str:
 
 def _with_status(report: GapReport, status: str) -> list[str]:
     return [row.label for row in report.judged.ranking if row.status == status]
+
+
+def _by_effect(labels: Sequence[str]) -> str:
+    """Labels as they are, but one effect at more than two sites once, with its sites."""
+    sites = dict[str, list[str]]()
+    for label in labels:
+        name, _, site = label.partition("@")
+        sites.setdefault(name, []).append(site)
+    return ", ".join(
+        f"`{name}` at {_listed(found[:-1])} and `{found[-1]}`"
+        if len(found) > 2
+        else _listed([f"{name}@{s}" for s in found])
+        for name, found in sites.items()
+    )
 
 
 def _listed(names: Sequence[str]) -> str:
