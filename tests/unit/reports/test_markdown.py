@@ -187,9 +187,8 @@ def test_several_effects_are_named_in_the_plural(close_report: dict[str, Any]) -
 
 
 def test_one_effect_at_more_than_two_sites_is_named_once(close_report: dict[str, Any]) -> None:
-    effects, ladder = ["coulomb_friction@arm", "payload@pole"], close_report["ladder"]
-    effects += ["coulomb_friction@pole", "coulomb_friction@hand"]
-    close_report["ladder"] = [*ladder, *(ladder[1] | {"effects": effects[: k + 1]} for k in (1, 2, 3))]
+    effects = ["coulomb_friction@arm", "payload@pole", "coulomb_friction@pole", "coulomb_friction@hand"]
+    close_report["ladder"] += [close_report["ladder"][1] | {"effects": effects[:k]} for k in (2, 3, 4)]
     told = "**The missing effects are named:** `coulomb_friction` at `arm`, `pole` and `hand`, `payload@pole`."
     assert told in page(close_report)
 
