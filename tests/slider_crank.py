@@ -49,26 +49,45 @@ def slopes(angle: Array) -> tuple[Array, Array]:
 
 
 def driven(torque: Array, start: Array, step: float, friction: float, damping: float) -> Array:
-    """Angles of n cranks under torques held for each step, (n, s) → (n, s), by RK4.
+    """Angles of n cranks under torques held for each step, (n, s) → (n, s), by RK4; they begin at rest.
 
-    J(q) q'' + ½ J'(q) q'² = τ − d q' − F tanh(x'/2 mm/s) dx/dq.
+    J(q) q'' + ½ J'(q) q'² = τ − d q' − F |dx/dq| sign q', and at rest q'' = 0 while |τ| ≤ F |dx/dq|. A step within
+    which a crank comes to rest is parted there.
     """
     state, found = np.stack([start, np.zeros_like(start)]), np.empty(torque.shape)
     for k, held in enumerate(torque.T):
         found[:, k] = state[0]
-        one = _rate(state, held, friction, damping)
-        two = _rate(state + step / 2 * one, held, friction, damping)
-        three = _rate(state + step / 2 * two, held, friction, damping)
-        four = _rate(state + step * three, held, friction, damping)
-        state = state + step / 6 * (one + 2 * two + 2 * three + four)
+        end = _after(state, held, step, friction, damping)
+        rests = end[1] * state[1] < 0
+        if rests.any():
+            slowing = np.where(rests, (state[1] - end[1]) / step, np.inf)
+            until = np.full(len(start), step)
+            for _ in range(3):  # by the chord
+                until += end[1] / slowing
+                end = _after(state, held, until, friction, damping)
+            end[1, rests] = 0.0
+            end = _after(end, held, step - until, friction, damping)
+        state = end
     return found
 
 
-def _rate(state: Array, torque: Array, friction: float, damping: float) -> Array:
+def _after(state: Array, torque: Array, step: Array | float, friction: float, damping: float) -> Array:
+    """Angles and speeds, (2, n), after a step in which no crank changes its direction."""
     angle, speed = state
-    slider, _ = slopes(angle)
+    moves = (speed != 0) | (np.abs(torque) > friction * np.abs(slopes(angle)[0]))
+    way = np.where(moves, np.sign(np.where(speed != 0, speed, torque)), 0.0)
+    forces = moves * torque, friction * way, damping
+    one = _rate(state, *forces)
+    two = _rate(state + step / 2 * one, *forces)
+    three = _rate(state + step / 2 * two, *forces)
+    four = _rate(state + step * three, *forces)
+    return state + step / 6 * (one + 2 * two + 2 * three + four)
+
+
+def _rate(state: Array, torque: Array, friction: Array, damping: float) -> Array:
+    angle, speed = state
     bend = (_inertia(angle + 1e-5) - _inertia(angle - 1e-5)) / 2e-5
-    rubbing = friction * np.tanh(slider * speed / 0.002) * slider
+    rubbing = friction * np.abs(slopes(angle)[0])
     return np.stack([speed, (torque - 0.5 * bend * speed**2 - damping * speed - rubbing) / _inertia(angle)])
 
 
@@ -85,7 +104,7 @@ def logs(
     names: str, seconds: float = 8.0, friction: float = 0.0, noise: tuple[float, float] = (1e-3, 1e-4)
 ) -> list[Log]:
     """Logs of crank and slider under sums of sines, every 4 ms, one for each letter; noise in rad and m."""
-    held, count = 16 if friction else 4, len(names)  # steps for a sample; friction that creeps within 2 mm/s needs more
+    held, count = 4, len(names)  # steps for a sample
     step = SAMPLE / held
     rng = np.random.default_rng(list(names.encode()))
     time: Array = np.asarray(SAMPLE * np.arange(round(seconds / SAMPLE)), np.float64)

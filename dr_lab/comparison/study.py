@@ -168,7 +168,7 @@ def _refined(comparison: Comparison, floor: NumericalFloor, wait: float) -> Refi
     """The model with a step that does not show, or as given where the logs ask for nothing else."""
     model, measured, settings = comparison.model, comparison.measurements, comparison.settings
     check, count, scored = settings.model_check, thread_count(settings.threads), measured.held_out or measured.fit
-    loops = firm_loops(model, scored, measured, settings.windows, count)
+    loops = firm_loops(model, scored, measured, settings.windows, check, count)
     shows = max(floor.largest, loops.share) > check.least_share
     if shows and _explains(model, _bench(model, comparison, max(floor.step, wait)), check):
         return unneeded(model, floor)

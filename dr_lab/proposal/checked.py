@@ -121,9 +121,9 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
     """
     model, doubts = proposal.model, [f"Log {each.log}: {each.message} {each.remedy}" for each in faults]
     logs = measured.held_out or measured.fit
-    loops = firm_loops(model, logs, measured, checks.windows, checks.threads)
+    loops = firm_loops(model, logs, measured, checks.windows, checks.model_check, checks.threads)
     if loops.share > checks.model_check.least_share:
-        model, doubts = loops.model, [*doubts, f'{loops.seen} Set solref="{loops.solref}", or say how soft they are.']
+        model, doubts = loops.model, [*doubts, f"{loops.seen} Set {loops.asked}, or say how soft they are."]
     floor = numerical_floor(model, logs, measured, checks.windows, checks.threads)
     finer = refine(model, logs, measured, checks.windows, checks.model_check, floor, checks.threads)
     told = replace(proposal, doubts=(*proposal.doubts, *doubts))

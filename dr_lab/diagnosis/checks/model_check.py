@@ -25,6 +25,8 @@ class ModelCheckSettings:
             noise is given up.
         chain_positions: positions of each log in which closed chains are tried.
         chain_gap: times what noise alone opens them, beyond which the measured joints contradict them.
+        chain_impedance: share of the acceleration that would part a closed chain which its constraint takes away, where
+            nobody chose how soft it is.
         chain_mended: share of the contradiction that another zero or direction of a channel may leave.
 
     Raises:
@@ -42,6 +44,7 @@ class ModelCheckSettings:
     hopeless: Annotated[float, at_least(1.0)]
     chain_positions: Count
     chain_gap: Positive
+    chain_impedance: Share
     chain_mended: Share
 
     def __post_init__(self) -> None:

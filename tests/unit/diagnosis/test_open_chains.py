@@ -73,14 +73,14 @@ def test_lengths_that_are_wrong_are_told_without_a_remedy() -> None:
 
 def test_a_chain_whose_softness_nobody_chose_becomes_firm_and_is_told() -> None:
     model, data = crank(), measured(closed(), noise=1e-3)
-    found = firm_loops(model, closed(), data, windows_settings(), 1)
+    found = firm_loops(model, closed(), data, windows_settings(), model_check_settings(), 1)
     assert found.share > 1
-    assert found.solref == "0.002 1"
+    assert found.asked == 'solref="0.002 1" solimp="0.999 0.999"'
     assert list(found.model.spec.equalities[0].solref) == [0.002, 1.0]
     assert list(model.spec.equalities[0].solref) == [0.02, 1.0]
     assert "wrist come apart" in found.message
     given = crank('solref="0.05 1"')
-    assert firm_loops(given, closed(), data, windows_settings(), 1).model is given
+    assert firm_loops(given, closed(), data, windows_settings(), model_check_settings(), 1).model is given
 
 
 def test_what_draws_a_body_after_a_mocap_body_stays_soft() -> None:
@@ -89,14 +89,17 @@ def test_what_draws_a_body_after_a_mocap_body_stays_soft() -> None:
     spec.delete(spec.equalities[0])
     spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=hand.name, name2="slider")
     model = from_spec("drawn", spec, {})
-    assert firm_loops(model, closed(), measured(closed(), noise=1e-3), windows_settings(), 1).model is model
+    assert (
+        firm_loops(model, closed(), measured(closed(), noise=1e-3), windows_settings(), model_check_settings(), 1).model
+        is model
+    )
 
 
 def test_a_firm_chain_stays_closed_where_a_soft_one_opens() -> None:
-    """Its opening is that of an undamped force: about the acceleration times the square of the time constant."""
+    """It opens by the square of the time constant, and by (1 − d)/d of the impedance d."""
     worst = []
-    for solref in ("", 'solref="0.002 1"'):
-        model = mujoco.MjModel.from_xml_string(MJCF.format(solref))
+    for firmness in ("", 'solref="0.002 1"', 'solref="0.002 1" solimp="0.999 0.999"'):
+        model = mujoco.MjModel.from_xml_string(MJCF.format(firmness))
         model.opt.integrator, data, gaps = mujoco.mjtIntegrator.mjINT_RK4, mujoco.MjData(model), []
         data.ctrl[0] = 0.5
         for _ in range(1000):
@@ -105,3 +108,12 @@ def test_a_firm_chain_stays_closed_where_a_soft_one_opens() -> None:
         worst.append(max(gaps))
     assert worst[0] > 1e-3
     assert worst[1] < 0.1 * worst[0]
+    assert worst[2] < 0.1 * worst[1]
+
+
+def test_an_impedance_that_somebody_chose_stays() -> None:
+    found = firm_loops(
+        crank('solimp="0.95 0.99"'), closed(), measured(closed()), windows_settings(), model_check_settings(), 1
+    )
+    assert found.asked == 'solref="0.002 1"'
+    assert list(found.model.spec.equalities[0].solimp[:2]) == [0.95, 0.99]
