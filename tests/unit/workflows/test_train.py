@@ -103,7 +103,9 @@ def test_a_run_keeps_its_last_policies_and_deploys_the_best_of_them(tmp_path: Pa
     assert deployed["frames"] == choice.chosen
     for name, value in kept["algorithm"]["actor"].items():  # the last is what the run goes on from
         assert torch.equal(value, taken[-1]["policies"]["policy"][name])
-    assert "Choosing took 3200 control steps" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
+    assert "by which it was chosen, 3200 control steps in all," in (tmp_path / "run" / "report.md").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_a_run_that_cannot_be_continued_is_told(tmp_path: Path) -> None:
