@@ -1,9 +1,9 @@
 """Effects that were added, ranked anew in their place beside all that stands when a climb is over."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from dr_lab.diagnosis.evidence.bench import FittedModel
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.search.as_special_case import holds, reaching
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
@@ -22,7 +22,7 @@ def weighed_anew(
     rungs: Sequence[Rung],
     watch: ClimbWatch,
 ) -> tuple[AddedEffect, ...]:
-    """The steps with another effect in the place of the first one whose place the logs give to another.
+    """The steps with another effect in the place of the first one that does not stand there.
 
     An effect is ranked anew in its place, beside all others that stand now, with its rivals and these:
 
@@ -38,35 +38,32 @@ def weighed_anew(
         rungs: what was ranked before.
         watch: is told what each ranking tries.
     """
-    kept, noise = list(steps), at_floor(steps[-1].fitted_model.held_out, deletions.bench.evidence) if steps else False
+    kept, bench = list(steps), deletions.bench
+    noise = bool(steps) and at_floor(steps[-1].fitted_model.held_out, bench.evidence)
     for place, step in enumerate(steps):
-        others = {other.effect.label for k, other in enumerate(steps) if k != place}
+        others = {other.effect.label for other in steps if other is not step}
         richer = [e for e in placed if noise and holds(e, step.effect) and not _known(e, others, rungs)]
         asked = {e.label: reaching(e, step.effect) for e in (*richer, *(_confused(step, placed) if step.alike else ()))}
         if not asked:
             continue
         fewer, ground = deletions.without(base, steps, place)
-        pool = [
-            step.effect,
-            *(rival.effect for rival in step.rivals if rival.effect.label not in asked),
-            *asked.values(),
-        ]
-        below = fewer[-1].fitted_model if fewer else ground
-        found = _ranked(deletions, below, pool, watch)
-        if found is not None and found.effect.label in asked:
-            return (*fewer, found.ended(deletions.bench))
-        if found is not None and step.alike:
-            kept[place] = replace(step, rivals=found.rivals, alike=False)
+        rung = _ranked(bench, fewer[-1].fitted_model if fewer else ground, step, asked, watch)
+        standing = {c.effect.label: c for c in rung.ranking if c.effect.label in rung.verdict.effects}
+        if standing.pop(step.effect.label, None):
+            kept[place] = replace(step, rivals=tuple(standing.values()), alike=False) if step.alike else step
+        elif standing and rung.step().effect.label in asked:
+            return (*fewer, rung.step().ended(bench))
     return tuple(kept)
 
 
 def _ranked(
-    deletions: Deletions, below: FittedModel, pool: Sequence[PlacedEffect], watch: ClimbWatch
-) -> AddedEffect | None:
-    """What a ranking of some effects names; None where it names none."""
-    ranking = rank(deletions.bench, below, pool, watch.ranking(len(pool)))
-    rung = Rung.judged(deletions.bench, ranking.base, ranking.candidates)
-    return rung.step() if rung.verdict.effects else None
+    bench: Bench, below: FittedModel, step: AddedEffect, asked: Mapping[str, PlacedEffect], watch: ClimbWatch
+) -> Rung:
+    """The effect of a step ranked with its rivals and others, by label, beside a model without it."""
+    rivals = [rival.effect for rival in step.rivals if rival.effect.label not in asked]
+    pool = [step.effect, *rivals, *asked.values()]
+    ranking = rank(bench, below, pool, watch.ranking(len(pool)))
+    return Rung.judged(bench, ranking.base, ranking.candidates)
 
 
 def _known(kind: PlacedEffect, others: set[str], rungs: Sequence[Rung]) -> bool:

@@ -1,4 +1,20 @@
-"""The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported."""
+"""The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported.
+
+1. A rung adds the first of the effects that it names. The others are its rivals, which each later rung reconsiders:
+   a rival that explains more beside what was added since takes its place, one that explains less is dropped. So
+   it is, too, where effects beside it are dropped.
+2. A rung that names none adds the first effect that is worth a trial. It is judged when the climb is over, before
+   the others. Until then no effect is dropped, lest what is in doubt take the place of what is not.
+3. An effect is dropped for good if the last model explains the logs as well without it. If that is in doubt, it
+   stays until the climb is over, because what is still missing scatters what it gains.
+4. An effect that holds a special case is put back to that for good, unless its further parameters are beyond doubt.
+   This is decided once another effect stands beside it, and when the climb is over.
+5. If this leaves a model that was not judged before, the climb goes on from there.
+6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
+   Where that was beside other effects than now, they are weighed anew when the climb is over (`weighed_anew`).
+7. After an effect is added the same one at other sites is asked first, for a machine's joints are built alike, and
+   the whole catalogue where none of these is added. What is added so is weighed against others in the end, too.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -151,22 +167,7 @@ def climb(
     most: int,
     watch: ClimbWatch,
 ) -> Ladder:
-    """Climb from a fitted base until a rung finds nothing to add, or needs more than `most` effects.
-
-    1. A rung adds the first of the effects that it names. The others are its rivals, which each later rung reconsiders:
-       a rival that explains more beside what was added since takes its place, one that explains less is dropped. So
-       it is, too, where effects beside it are dropped.
-    2. A rung that names none adds the first effect that is worth a trial. It is judged when the climb is over, before
-       the others. Until then no effect is dropped, lest what is in doubt take the place of what is not.
-    3. An effect is dropped for good if the last model explains the logs as well without it. If that is in doubt, it
-       stays until the climb is over, because what is still missing scatters what it gains.
-    4. An effect that holds a special case is put back to that for good, unless its further parameters are beyond doubt.
-       This is decided once another effect stands beside it, and when the climb is over.
-    5. If this leaves a model that was not judged before, the climb goes on from there.
-    6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
-       Where that was beside other effects than now, they are weighed anew when the climb is over (`weighed_anew`).
-    7. After an effect is added the same one at other sites is asked first, for a machine's joints are built alike, and
-       the whole catalogue where none of these is added. What is added so is weighed against others in the end, too.
+    """Climb from a fitted base until a rung adds nothing, or needs more than `most` effects; by this module's rules.
 
     Args:
         bench: data and settings.

@@ -6,10 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from effect_machines import block, hanging, placed
-from trial_machines import BLOCKS, RICH, SCATTERED, SETTINGS, SIMPLE, Machine, climb, effects_of, labels
+from trial_machines import BENCH, BLOCKS, RICH, SCATTERED, SETTINGS, SIMPLE, Machine, climb, effects_of, labels, prepare
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
+from dr_lab.diagnosis.search.climb_watch import Silence
+from dr_lab.diagnosis.search.deletions import Deletions
+from dr_lab.diagnosis.search.in_place import weighed_anew
 from dr_lab.diagnosis.search.rank import Ranking
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
 
@@ -133,3 +137,17 @@ def test_at_a_third_site_it_is_asked_on_trial(monkeypatch: pytest.MonkeyPatch) -
     assert labels(effects_of(climbed.models[-1])) == labels([SIMPLE, THERE, third, fourth])
     assert [len(each) for each in ranked[:5]] == [5, 3, 2, 1, 1]
     assert [bool(rung.verdict.trial) for rung in climbed.rungs[:4]] == [False, False, True, False]
+
+
+def test_an_effect_that_stands_keeps_its_place_and_is_no_rival_of_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two that the logs cannot separate the other one leaves a trifle less now."""
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(0.0 if CONFUSED in effects else 0.001 if THERE in effects else 20.0, BLOCKS)
+
+    machine = Machine((THERE, CONFUSED), left)
+    prepare(machine, monkeypatch)
+    steps = (AddedEffect(machine.explain((THERE,)), (), alike=True),)
+    (found,) = weighed_anew(Deletions(BENCH), machine.explain(()), steps, [CONFUSED], (), Silence())
+    assert found.effect.label == THERE.label
+    assert [rival.effect.label for rival in found.rivals] == [CONFUSED.label]
