@@ -98,7 +98,8 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
         longer = _with_windows(study, length, len(lengths), first[1] if doubtful else None)
         if longer is None:
             break
-        ladder = _ladder(longer, effects, most, watch)
+        watch.phase("Calibrating the model")
+        ladder = _ladder(longer, effects, most, watch, _calibrated_from(longer, first[1].base))
         if ladder.steps and (_settled if doubtful else _explained)(longer, ladder):
             return longer, ladder
     return first
@@ -134,14 +135,15 @@ def _as_long_as_noise(
 
 
 def _calibrated_from(study: Study, short: FittedModel) -> FittedModel:
-    """The model calibrated to longer windows, where it passes the floor also from where it ended in short ones.
+    """The model calibrated to longer windows; where that leaves more than noise, also from where short ones led.
 
-    Longer windows have more valleys in which a fit can end.
+    Longer windows have more valleys in which a fit can end. The states are sought there before the parameters move.
     """
     base = calibrated(study)
     if at_floor(base.held_out, study.bench.evidence):
         return base
-    near = fitted_for_comparison(study.bench, fit_and_score(study.bench, study.model, short.fit.z))
+    _, states = study.fits(study.model, short.fit.z, study.bench.fit)
+    near = fitted_for_comparison(study.bench, fit_and_score(study.bench, study.model, short.fit.z, states.delta))
     return min(base, near, key=lambda model: model.fit.order)
 
 

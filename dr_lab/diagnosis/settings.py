@@ -5,7 +5,7 @@ from typing import Annotated
 
 import numpy as np
 
-from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, at_least, require_bounds
+from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, Share, at_least, require_bounds
 from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.peak_settings import PeakSettings
 from dr_lab.errors import ConfigError
@@ -142,6 +142,7 @@ class SolverSettings:
         redrawn: how often, at most.
         spread: standard deviation of these draws, in that of the start's prior.
         stuck: times the median window's χ², above which a window is.
+        first_part: share of a window by which its start is sought at first where it is stuck without contacts.
         rolling: factor on both where bodies stay on the ground.
         rolling_patience: factor on `start_iterations` there, since contacts let no long step through.
         huber: residuals beyond this many robust standard deviations count linearly.
@@ -184,6 +185,7 @@ class SolverSettings:
     redrawn: Natural
     spread: Positive
     stuck: Annotated[float, at_least(1.0)]
+    first_part: Share
     rolling: Annotated[float, at_least(1.0)]
     rolling_patience: Count
     huber: Positive

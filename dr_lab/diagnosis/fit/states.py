@@ -106,36 +106,57 @@ def restarted(
     Arguments as for `polished`.
     """
     search = _Search(replay, solver, point.z)
-    here = StateFit(point.z, point.delta, point.residuals, point.cost, point.infeasible, slopes)
-    start = search.point(np.where(windows[:, None], 0.0, point.delta))
-    return search.restarted(here, start, windows)
+    return search.anew(StateFit(point.z, point.delta, point.residuals, point.cost, point.infeasible, slopes), windows)
 
 
 class _Search:
-    """State of the search over all windows of one replay."""
+    """State of the search over all windows of one replay, or over their first parts, of so many s."""
 
-    def __init__(self, replay: Replay, settings: SolverSettings, z: Array) -> None:
+    def __init__(self, replay: Replay, settings: SolverSettings, z: Array, first: float = np.inf) -> None:
         self.replay = replay
         self.settings = settings
         self.z = z
         self.precision = replay.windows.prior.std**-2.0
+        self._time = np.concatenate([np.repeat(s.time, s.channel.size, axis=1) for s in replay.windows.samples], axis=1)
+        self._counts = self._time <= first
 
     def run(self, near: StateFit | None) -> StateFit:
-        """The best states, from the prior's mean or from near; where near led to poor ones, from the mean as well."""
-        mean = self.point(np.zeros((len(self.replay.windows), self.replay.nstate)))
-        if near is None:
-            return self._drawn(self.descend(mean, None, ~mean.infeasible))
-        first = better_start(mean, self.point(near.delta), self._weights(mean), self.precision)
-        found = self.descend(first, near.slopes, ~first.infeasible)
-        return self._drawn(self.restarted(found, mean, self._poor(found)))
+        """The best states, from the prior's mean or from near; where that leads to poor ones, from elsewhere, too."""
+        mean, slopes = self.point(np.zeros((len(self.replay.windows), self.replay.nstate))), None
+        first = mean
+        if near is not None:
+            first, slopes = better_start(mean, self.point(near.delta), self._weights(mean), self.precision), near.slopes
+        found = self.descend(first, slopes, ~first.infeasible)
+        if not self.replay.touching:
+            return self.anew(found, self._poor(found, 1.0))
+        if near is not None:
+            found = self.restarted(found, mean, self._poor(found, self._usual(found)))
+        return self._drawn(found)
+
+    def anew(self, found: StateFit, windows: NDArray[np.bool_]) -> StateFit:
+        """The states; those of some windows sought from their prior's mean, by longer and longer first parts of them.
+
+        Where a long motion is chaotic, as that of a pendulum which tumbles, its end hangs on its start by a maze of
+        valleys, its first part by one. An impact is no such thing: among contacts the whole window is taken at once.
+        """
+        if not windows.any():
+            return found
+        start = self.point(np.where(windows[:, None], 0.0, found.delta))
+        if not self.replay.touching:
+            last = self._time[self.replay.fitted].max()
+            first = self.settings.first_part * last
+            while first < last:
+                part = _Search(self.replay, self.settings, self.z, first)
+                start, first = part.descend(start, None, windows & ~start.infeasible), 2 * first
+        return self.restarted(found, start, windows)
 
     def _drawn(self, found: StateFit) -> StateFit:
-        """The states; among contacts, whose jags hold a search, sought from draws in windows that are stuck.
+        """The states; in windows that are stuck among contacts, whose jags hold a search, sought from draws.
 
         Of many draws each such window begins at the one that costs least.
         """
         settings, random = self.settings, np.random.default_rng(0)
-        for _ in range(settings.redrawn if self.replay.touching else 0):
+        for _ in range(settings.redrawn):
             stuck = self._left(found) > settings.stuck * self._usual(found)
             if not stuck.any():
                 break
@@ -152,10 +173,10 @@ class _Search:
         active = windows & ~start.infeasible
         return self._better(found, self.descend(start, None, active)) if active.any() else found
 
-    def _poor(self, found: StateFit) -> NDArray[np.bool_]:
-        """Windows whose χ² noise as large as in the median window, or as the sensors', would hardly leave."""
+    def _poor(self, found: StateFit, usual: float) -> NDArray[np.bool_]:
+        """Windows whose χ² noise would hardly leave, where it is as large as it usually is."""
         count = np.maximum((self.replay.fitted & ~found.infeasible[:, None]).sum(1), 1)
-        return self._left(found) > self._usual(found) * chi2.ppf(self.settings.plausible, count) / count
+        return self._left(found) > usual * chi2.ppf(self.settings.plausible, count) / count
 
     def _left(self, found: StateFit) -> Array:
         """χ² of each window's fitted samples, (w,); 0 of one that diverges."""
@@ -227,7 +248,7 @@ class _Search:
         return Point(self.z, delta, residuals, np.inf, np.isinf(costs.min(0))), costs.min(0), first
 
     def _weights(self, point: Point) -> Array:
-        return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
+        return self._counts * self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
 
     def point(self, delta: Array) -> Point:
         """State corrections (w, s), simulated; of unknown cost."""

@@ -1,5 +1,6 @@
-"""Ladders that lack one of their effects, each fitted as well as it can be."""
+"""Ladders that lack one of their effects, each fitted as well as it can be, and what a ranking fitted beside one."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,9 +9,11 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, scored
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.restack import stacked
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.taken_away import taken_away
+from dr_lab.physics.model_effect import ModelEffect
 
 _Fewer = tuple[tuple[AddedEffect, ...], FittedModel]
 
@@ -29,6 +32,7 @@ class Deletions:
         self._held: list[FittedModel | AddedEffect] = []  # so that no other object takes the place of a known one
         self._known: dict[tuple[float, ...], _Fewer] = {}
         self._tried: list[Fit] = []
+        self._ranked: dict[tuple[str, ...], FittedModel] = {}
 
     def tried(self, fit: Fit) -> None:
         """Take it as known that from this fit's end, without its last effect, no better fit of the others is reached.
@@ -36,6 +40,14 @@ class Deletions:
         The ladder that the effect was added to is that best fit, then.
         """
         self._tried.append(fit)
+
+    def ranked(self, candidates: Iterable[Candidate]) -> None:
+        """Remember the newest ranking's models that are fitted to all windows."""
+        self._ranked = {_labels(c.fitted_model.model.effects): c.fitted_model for c in candidates if c.final}
+
+    def as_ranked(self, effects: Sequence[ModelEffect]) -> FittedModel | None:
+        """The model with these effects as the newest ranking fitted it; None where it did not."""
+        return self._ranked.get(_labels(effects))
 
     def without(
         self, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
@@ -69,3 +81,7 @@ class Deletions:
             return fewer, base
         better = scored(self.bench, last.model, again)
         return ((*fewer[:-1], replace(fewer[-1], fitted_model=better)), base) if fewer else (fewer, better)
+
+
+def _labels(effects: Sequence[ModelEffect]) -> tuple[str, ...]:
+    return tuple(effect.label for effect in effects)

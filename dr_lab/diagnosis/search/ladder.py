@@ -264,13 +264,15 @@ def _with_rung(
 ) -> tuple[Ladder, bool]:
     """The ladder with what one ranking adds and without what that makes needless; and whether the climb is over."""
     bench = deletions.bench
-    if ranking.back_from is not None:
-        deletions.tried(ranking.back_from)
+    deletions.ranked(ranking.candidates)
     rung = Rung.judged(bench, ranking.base, ranking.candidates)
     over = not _adds(rung, ladder.steps, most)
     steps = ladder.steps
     if not over:
-        steps = reconsider(bench, ladder.base, (*steps, rung.step().ended(bench)), range(len(steps)))
+        step, end = rung.step(), rung.step().ended(bench)
+        if ranking.back_from is step.fitted_model.fit:
+            deletions.tried(end.fitted_model.fit)
+        steps = reconsider(bench, ladder.base, (*steps, end), range(len(steps)))
     if over:
         pruned = finished(deletions, ladder.base, steps, cases)
     else:

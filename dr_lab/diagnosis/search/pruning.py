@@ -178,7 +178,7 @@ def simplify(
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
             swap = Swap(step.effect, reaching(poorer, step.effect))
-            simpler, back = _weighed(swap, bench, base, whole)
+            simpler, back = _weighed(swap, deletions, base, whole)
             if back is None or not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
                 continue
             between = (replace(s, fitted_model=swap.made(bench, base, s.fitted_model)) for s in steps[place:-1])
@@ -188,9 +188,14 @@ def simplify(
     return None
 
 
-def _weighed(swap: "Swap", bench: Bench, base: FittedModel, whole: FittedModel) -> tuple[FittedModel, PutBack | None]:
+def _weighed(
+    swap: Swap, deletions: Deletions, base: FittedModel, whole: FittedModel
+) -> tuple[FittedModel, PutBack | None]:
     """The model with the poorer effect, and what is put back; None where the logs ask for the richer effect."""
-    back, extra = swap.put_back(bench, whole), len(swap.richer.parameters) - len(swap.poorer.parameters)
+    bench, extra = deletions.bench, len(swap.richer.parameters) - len(swap.poorer.parameters)
+    back = swap.put_back(bench, whole)
+    if back.at_limit:
+        return _at_limit(swap, deletions, base, whole), back
     goal = beyond_doubt(bench, whole)
     simpler = swap.made(bench, base, whole, goal)
     found = _without_need(simpler, whole, back, extra, bench)
@@ -198,6 +203,14 @@ def _weighed(swap: "Swap", bench: Bench, base: FittedModel, whole: FittedModel) 
         simpler = swap.made(bench, base, whole)
         found = _without_need(simpler, whole, back, extra, bench)
     return simpler, found
+
+
+def _at_limit(swap: Swap, deletions: Deletions, base: FittedModel, whole: FittedModel) -> FittedModel:
+    """The model with the poorer effect, which the richer one has become: as ranked, if that leaves noise."""
+    known = deletions.as_ranked(swap.effects(whole.model))
+    if known is not None and at_floor(known.held_out, deletions.bench.evidence):
+        return known
+    return swap.made(deletions.bench, base, whole)
 
 
 def _without_need(simpler: FittedModel, whole: FittedModel, back: PutBack, extra: int, bench: Bench) -> PutBack | None:

@@ -19,6 +19,7 @@ from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.physics.model import Model
+from dr_lab.physics.model_effect import ModelEffect
 from dr_lab.trajectory import Array
 
 
@@ -136,11 +137,14 @@ class Swap:
         rest = {name: zero for name, zero in none.items() if name not in ended}
         return bool(ended) and (not rest or chance(known, rest) >= doubt)
 
+    def effects(self, model: Model) -> list[ModelEffect]:
+        """The effects of a model, with the poorer one in place of the richer one."""
+        return [self.poorer if effect.label == self.richer.label else effect for effect in model.effects]
+
     def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
         """The model with the poorer effect, fitted from where the richer one's ended; of a `goal` see `Fitter.run`."""
-        added = fitted_model.model.effects[len(base.model.effects) :]
-        swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
-        model = functools.reduce(Model.with_effect, swapped, base.model)
+        added = self.effects(fitted_model.model)[len(base.model.effects) :]
+        model = functools.reduce(Model.with_effect, added, base.model)
         starts, delta = self._starts(model.space, fitted_model.values()), fitted_model.fit.delta
         found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
         return min(found, key=lambda each: each.fit.order)

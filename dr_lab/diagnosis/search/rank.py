@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, scored
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.as_special_case import holds, special_cases
@@ -139,21 +140,24 @@ class _Contest:
     def _go_farther(self, tried: dict[int, Candidate]) -> None:
         """Go on with the best candidate's fit where it ran into a bound which is no physics.
 
-        Few windows may not have shown that. One that explains no more than a special case of it may well end there.
+        Few windows may not have shown that. One of which a special case explains as much, or leaves noise, may well end
+        there.
         """
         for _ in range(self.bench.evidence.widenings):
             best = self._best(tried)
             if best is None:
                 return
             cases = [c for k, c in tried.items() if c.final and holds(self.placed[best], self.placed[k])]
-            worth = all(self._explains_more(tried[best], case) for case in cases)
+            worth = all(self._leaves_more(case, tried[best]) for case in cases)
             moved = self.fits.farther(tried[best], self.bench.threads) if worth else None
             if moved is None:
                 return
             tried[best] = moved
 
-    def _explains_more(self, candidate: Candidate, case: Candidate) -> bool:
-        """Whether a candidate is supported over a special case of it, both fitted to all windows."""
+    def _leaves_more(self, case: Candidate, candidate: Candidate) -> bool:
+        """Whether a special case of a candidate leaves more than noise, and more than that, beyond doubt."""
+        if at_floor(case.fitted_model.held_out, self.bench.evidence):
+            return False
         gain = paired_gain(case.fitted_model.held_out, candidate.fitted_model.held_out, self.bench.evidence)
         return supported(gain, len(candidate.effect.parameters) - len(case.effect.parameters), self.bench.evidence)
 

@@ -172,6 +172,27 @@ def test_a_richer_effect_that_ended_where_it_is_its_special_case_is_put_back(
     assert [back.at_limit for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
 
 
+@pytest.mark.parametrize(("left", "taken"), [(0.02, True), (3.0, False)])
+def test_what_became_its_special_case_takes_the_fit_that_was_ranked_where_that_leaves_noise(
+    left: float, monkeypatch: pytest.MonkeyPatch, *, taken: bool
+) -> None:
+    known = {p.name: (p.low, 1.0) for p in SLIDING.parameters} | {CREEP.name: (CREEP.low, 0.01 * CREEP.high)}
+
+    def leaves(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(0.0 if SLIDING in effects else left if SIMPLE in effects else 20.0, BLOCKS)
+
+    machine = Machine((SIMPLE, SLIDING), leaves, known)
+    prepare(machine, monkeypatch)
+    base, deletions = machine.explain(()), Deletions(BENCH)
+    ranked = candidate(base, machine.explain((SIMPLE,)))
+    deletions.ranked([ranked])
+    steps = (AddedEffect(machine.explain((SLIDING,)), ()),)
+    found = pruning.simplify(deletions, base, steps, SpecialCases({}, NOTHING, NOTHING))
+    assert found is not None
+    assert (found[0][0].fitted_model is ranked.fitted_model) is taken
+    assert labels(effects_of(found[0][0].fitted_model)) == [SIMPLE.label]
+
+
 class Uneven(Machine):
     """A machine whose five held-out logs ask for the richer effect unequally; in the last window it does harm."""
 

@@ -105,6 +105,22 @@ def test_the_best_one_goes_on_beyond_a_bound_on_all_windows_unless_its_special_c
 
 
 @pytest.mark.slow
+def test_the_best_one_stays_within_its_bounds_where_its_special_case_leaves_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What it adds beyond them decides nothing."""
+    fits = fits_of(creeping)
+    widened = list[str]()
+    monkeypatch.setattr(rank, "at_floor", lambda *_: True)
+    monkeypatch.setattr(CandidateFits, "farther", lambda _, candidate, *__: widened.append(candidate.effect.label))
+    monkeypatch.setattr(Waves, "_widen", lambda *_: None)
+    effects = [effect_of(name) for name in ("coulomb_friction", "smooth_friction")]
+    ranking = rank.rank(fits.bench, fits.base, effects, lambda _: None).candidates
+    assert all(candidate.final for candidate in ranking)
+    assert not widened
+
+
+@pytest.mark.slow
 def test_an_effect_that_begins_in_the_place_of_another_one_is_asked_there_on_all_windows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

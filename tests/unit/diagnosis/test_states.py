@@ -3,13 +3,25 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import model_of, pendulum, predicted_settings, solver_settings, swinging, windows_of
+from diagnosis_machines import (
+    NOISE,
+    log_of,
+    model_of,
+    pendulum,
+    predicted_settings,
+    simulated,
+    solver_settings,
+    steps_command,
+    swinging,
+    windows_of,
+    windows_settings,
+)
 from effect_machines import catalogue_effect, scales_of
 from scipy.optimize import least_squares
 
 from dr_lab.diagnosis.fit.active_windows import ActiveWindows
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.states import StateFit, fit_states
+from dr_lab.diagnosis.fit.states import StateFit, _Search, fit_states
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model
@@ -76,6 +88,30 @@ def test_the_default_settings_come_close_to_the_best_states() -> None:
     _, exact = fit_states(model, model.space.nominal, windows, EXACT, 1)
     _, quick = fit_states(model, model.space.nominal, windows, solver_settings(), 1)
     assert quick.cost < 1.001 * exact.cost
+
+
+TUMBLING = """<mujoco model="tumbling"><option timestep="0.002" integrator="RK4"/><worldbody>
+  <body><inertial mass="0.5" pos="0 0 -0.2" diaginertia="0.002 0.002 0.002"/><joint name="upper" axis="0 1 0"/>
+    <body pos="0 0 -0.3"><inertial mass="0.5" pos="0 0 -0.2" diaginertia="0.002 0.002 0.002"/>
+      <joint name="lower" axis="0 1 0"/></body></body></worldbody>
+  <actuator><motor name="drive" joint="upper"/></actuator></mujoco>"""
+
+
+def test_starts_of_long_windows_of_a_chaotic_machine_are_found() -> None:
+    """A double pendulum without friction tumbles; over 2.7 s an error of its start grows a thousandfold."""
+    model, random = model_of(TUMBLING), np.random.default_rng(5)
+    command = steps_command("drive", 1.0, 12.0, 5)
+    motion = simulated(model.nominal(), command, 12.0, qpos=random.uniform(-3.0, 3.0, 2).tolist())
+    reading = motion["qpos"] + NOISE * random.normal(size=motion["qpos"].shape)
+    outputs = {f"{name}.position": (motion["time"], reading[:, k]) for k, name in enumerate(("upper", "lower"))}
+    settings = windows_settings(length=2.7, seconds=60.0)
+    windows = windows_of(model, [log_of("a", outputs, command)], settings)
+    replay, fit = fit_states(model, model.space.nominal, windows, solver_settings(), 1)
+    search = _Search(replay, solver_settings(), model.space.nominal)
+    mean = search.point(np.zeros_like(fit.delta))
+    at_once = search.descend(mean, None, ~mean.infeasible)
+    assert (search._left(at_once) > 100.0).sum() > len(windows) / 2
+    np.testing.assert_allclose(search._left(fit), 1.0, atol=0.15)
 
 
 def unstable() -> Model:

@@ -52,10 +52,9 @@ def test_a_mass_is_found_through_impacts() -> None:
     np.testing.assert_allclose(fit.z, TRUTH, rtol=0.03)
 
 
-@pytest.mark.parametrize(("away", "mended"), [(0.05, True), (0.5, False)])
-def test_a_start_that_is_stuck_among_contacts_is_drawn_anew(away: float, *, mended: bool) -> None:
-    """A window of which the search ended 3 standard deviations off; without contacts that is left as it is."""
-    model = walled(away)
+def test_a_start_that_is_stuck_among_contacts_is_drawn_anew() -> None:
+    """A window of which the search ended 3 standard deviations off."""
+    model = walled(0.05)
     replay, fit = fit_states(model, TRUTH, replayed(model).windows, solver_settings(), 1)
     search = _Search(replay, solver_settings(), TRUTH)
     off = fit.delta.copy()
@@ -65,5 +64,5 @@ def test_a_start_that_is_stuck_among_contacts_is_drawn_anew(away: float, *, mend
     after = search._drawn(before)
     left, expected = (search._left(each) for each in (after, fit))
     assert search._left(before)[0] > 10.0 * expected[0]
-    assert (left[0] == pytest.approx(expected[0], rel=0.01)) == mended
+    assert left[0] == pytest.approx(expected[0], rel=0.01)
     np.testing.assert_array_equal(after.delta[1:], before.delta[1:])
