@@ -76,7 +76,7 @@ def _std(columns: Sequence[tuple[Array, Array]], longest_wait: float, contract: 
     if fast == 0.0:
         return every if every > contract.staircase * rounding else rounding
     if every > contract.dithered * rounding:
-        return min(fast, every)
+        return max(min(fast, every), rounding)  # a servo that jumps and rests leaves less than that at rest
     # A uniform motion by half a step more than whole ones rounds up and down by turns, but every other sample alike.
     others = _settled(columns, longest_wait, contract.fast * step, contract, fast=True, apart=2) or fast
     return fast if min(fast, others) > contract.quantised * rounding else rounding

@@ -11,6 +11,7 @@ from dr_lab.diagnosis.evidence.colour import instrumental
 from dr_lab.diagnosis.fit.correlation import autocorrelation, by_component, correlation_time
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.solved import solved
 from dr_lab.diagnosis.fit.states import StateFit
 from dr_lab.diagnosis.windows.windows import WindowSamples
 from dr_lab.trajectory import Array
@@ -136,7 +137,7 @@ def taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> A
     """
     fitted, both = (np.where(mask[..., None], fit.slopes, 0.0) for mask in (replay.fitted, replay.fitted & used))
     hessian = fitted.transpose(0, 2, 1) @ fitted + np.diag(replay.windows.prior.std**-2.0)
-    return np.einsum("wms,wsm->wm", both, np.linalg.solve(hessian, both.transpose(0, 2, 1)))
+    return np.einsum("wms,wsm->wm", both, solved(hessian, both.transpose(0, 2, 1)))
 
 
 def _channel_errors(

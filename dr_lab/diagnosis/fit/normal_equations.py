@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from dr_lab.diagnosis.fit.solved import ROUNDING, solved
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
 Room = tuple[Array, Array]  # the lowest and the highest move of each parameter, shapes (p,)
-_ROUNDING = 1e-13  # of eigenvalues, relative to the largest
 _APART = 1e-12  # of scaled moves, so that an entry without room still has two ends
 
 
@@ -200,8 +200,7 @@ class NormalEquations:
 
     def _eliminated(self, state: Array) -> tuple[Array, Array, Array]:
         """Gain, states and gradient as of `Reduced`, with other equations of the states, shape (w, s, s)."""
-        gain = np.asarray(np.linalg.solve(state, self.mixed), np.float64)
-        states = np.asarray(np.linalg.solve(state, self.state_gradient[..., None])[..., 0], np.float64)
+        gain, states = solved(state, self.mixed), solved(state, self.state_gradient[..., None])[..., 0]
         return gain, states, self.parameter_gradient - (self.mixed.transpose(0, 2, 1) @ states[..., None])[..., 0]
 
     def _left(self, gain: Array) -> Array:
@@ -221,7 +220,7 @@ def inverse_root(information: Array, prior: Array) -> Array:
     """
     scale = prior**-0.5
     values, vectors = np.linalg.eigh(information * scale * scale[:, None])
-    floor = _ROUNDING * values.max(axis=-1, keepdims=True, initial=0.0)
+    floor = ROUNDING * values.max(axis=-1, keepdims=True, initial=0.0)
     known = np.where(values > floor, values, 0.0)
     return scale[:, None] * vectors / np.sqrt(known + 1)[..., None, :]
 
@@ -245,9 +244,10 @@ def within(unbounded: Array, information: Array, gradient: Array, free: Mask, ro
     if room is None or (np.clip(move, *room) == move).all():
         return move
     low, high = (ends[free] for ends in room)
-    scale = 1.0 / np.sqrt(np.diag(information)[free])
+    diagonal = np.diag(information)[free]
+    scale = 1.0 / np.sqrt(np.maximum(diagonal, ROUNDING * diagonal.max()))  # rounding may leave less than nothing
     values, vectors = np.linalg.eigh(information[np.ix_(free, free)] * scale * scale[:, None])
-    root = np.sqrt(np.maximum(values, _ROUNDING * values[-1]))
+    root = np.sqrt(np.maximum(values, ROUNDING * values[-1]))
     aim = -(vectors.T @ (gradient[free] * scale)) / root
     found = lsq_linear(root[:, None] * vectors.T, aim, (low / scale - _APART, high / scale + _APART), method="bvls")
     move[free] = np.clip(np.asarray(found.x, np.float64) * scale, low, high)

@@ -11,6 +11,7 @@ from scipy.stats import chi2
 from dr_lab.diagnosis.fit.active_windows import ActiveWindows
 from dr_lab.diagnosis.fit.point import Point, better_start, take, window_costs
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.solved import solved
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
@@ -265,5 +266,5 @@ class _Search:
         gradient = (weighted @ point.residuals[active, :, None])[..., 0] + self.precision * point.delta[active]
         diagonal = np.einsum("wii->wi", hessian)
         damped = hessian + (damping[active, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
-        steps[active] = -np.linalg.solve(damped, gradient[..., None])[..., 0]
+        steps[active] = -solved(damped, gradient[..., None])[..., 0]
         return steps

@@ -12,6 +12,7 @@ from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, differences
+from dr_lab.diagnosis.fit.solved import solved
 from dr_lab.diagnosis.search.free_law import FreeLaw
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.effect import PlacedEffect
@@ -81,5 +82,5 @@ def _settled(bench: Bench, replay: Replay, point: Point, slopes: Slopes) -> Arra
     weight = replay.weights(point.residuals, point.infeasible, bench.solver.huber)
     weighted = (slopes.state * weight[..., None]).transpose(0, 2, 1)
     gradient = (weighted @ point.residuals[..., None])[..., 0] + precision * point.delta
-    step = -np.linalg.solve(weighted @ slopes.state + np.diag(precision), gradient[..., None])
+    step = -solved(weighted @ slopes.state + np.diag(precision), gradient[..., None])
     return point.residuals + (slopes.state @ step)[..., 0]

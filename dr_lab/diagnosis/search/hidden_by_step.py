@@ -8,6 +8,7 @@ from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.checks.step_error import step_error
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.replay import Mask, Replay
+from dr_lab.diagnosis.fit.solved import solved
 from dr_lab.diagnosis.windows.finer import finer
 from dr_lab.trajectory import Array
 
@@ -58,5 +59,5 @@ def _not_taken_up(replay: Replay, fitted_model: FittedModel, bench: Bench) -> tu
     slopes = np.where(replay.fitted[..., None], states.slopes, 0.0)
     pull = slopes.transpose(0, 2, 1) @ np.where(replay.fitted, error, 0.0)[..., None]
     hessian = slopes.transpose(0, 2, 1) @ slopes + np.diag(bench.held_out.prior.std**-2.0)
-    taken = states.slopes @ np.linalg.solve(hessian, pull)
+    taken = states.slopes @ solved(hessian, pull)
     return error - taken[..., 0], diverged

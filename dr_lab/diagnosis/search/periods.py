@@ -11,6 +11,7 @@ from dr_lab.diagnosis.evidence.bench import Bench
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.solved import solved
 from dr_lab.diagnosis.peak_settings import PeakSettings
 from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import WindowSamples
@@ -170,7 +171,7 @@ class _Spectrum:
         )
         weighted = shown * weight[..., None, None]
         mixed = np.einsum("wms,wman->wsan", state, weighted, optimize=True)
-        taken = np.linalg.solve(linear.state, mixed.reshape(*mixed.shape[:2], -1)).reshape(mixed.shape)
+        taken = solved(linear.state, mixed.reshape(*mixed.shape[:2], -1)).reshape(mixed.shape)
         within = np.einsum("wman,wmbn->nab", weighted, shown) - np.einsum("wsan,wsbn->nab", mixed, taken)
         beside = np.concatenate([free, residual[..., None]], axis=2)
         follows = np.concatenate([linear.mixed, linear.state_gradient[..., None]], axis=2)

@@ -45,6 +45,22 @@ def test_the_eliminated_step_is_the_dense_one() -> None:
     np.testing.assert_allclose(states.ravel(), expected[: W * S])
 
 
+def test_states_of_an_unstable_simulation_have_a_step() -> None:
+    """One direction of the start moves the end 10⁹ times as far as is measured: beside it the prior is rounding."""
+    p = problem()
+    steep = 1e9 * p["state_jacobian"][0, :, :1]
+    p["state_jacobian"][0] = steep * np.array([1.0, 1e-3])
+    equations = NormalEquations.build(**p)
+    move, states = equations.step(0.0, np.ones(P, bool), (np.full(P, -0.1), np.full(P, 0.1)))
+    assert np.isfinite(move).all()
+    assert np.isfinite(states).all()
+    assert np.isfinite(equations.decrease(np.ones(P, bool)))
+    hessian, gradient = dense(p)
+    kept = np.arange(S, W * S + P)  # that window tells nothing else
+    expected = -np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
+    np.testing.assert_allclose(states[1:].ravel(), expected[: (W - 1) * S], rtol=0.5)
+
+
 def test_a_held_parameter_does_not_move_and_the_others_adapt() -> None:
     p = problem()
     hessian, gradient = dense(p)
