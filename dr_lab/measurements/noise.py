@@ -69,7 +69,7 @@ def _std(columns: Sequence[tuple[Array, Array]], longest_wait: float, contract: 
     step = _common_step([column for _, column in columns])
     if step is None:
         moving = [_drop_repeats(time, value) for time, value in columns]
-        return _settled(moving, longest_wait, 0.0, contract, fast=False)
+        return max(_settled(moving, longest_wait, 0.0, contract, fast=False), _apart_at_rest(columns) / np.sqrt(12.0))
     rounding = step / np.sqrt(12.0)
     every = _settled(columns, longest_wait, 0.0, contract, fast=False)
     fast = _settled(columns, longest_wait, contract.fast * step, contract, fast=True)
@@ -92,6 +92,16 @@ def _common_step(columns: Sequence[Array]) -> float | None:
     common = steps[(len(steps) - 1) // 2]
     agree = sum(step is not None or on_lattice(column, common) for column, step in zip(moving, found, strict=True))
     return common if 2 * agree >= len(moving) else None
+
+
+def _apart_at_rest(columns: Sequence[tuple[Array, Array]]) -> float:
+    """The smallest distance of two values where most samples repeat the one before, as at rest; else 0.
+
+    The few values that such a channel takes may not tell its step, but it is no more than that.
+    """
+    repeats = np.concatenate([np.diff(value) == 0.0 for _, value in columns])
+    values = np.unique(np.concatenate([value for _, value in columns]))
+    return float(np.diff(values).min()) if 2 * repeats.sum() > len(repeats) else 0.0
 
 
 def _settled(

@@ -194,11 +194,10 @@ def test_an_encoder_that_moves_by_nearly_a_count_a_sample_is_rounded_all_the_sam
 
 def test_a_servo_that_jumps_and_rests_is_known_no_better_than_its_counts(contract: DataContract) -> None:
     """At uneven times the polynomials of its rest leave a rounding error, which is no noise."""
-    random = np.random.default_rng(3)
-    time = np.cumsum(random.uniform(0.098, 0.104, 150))
-    goal = np.repeat(random.uniform(-60.0, 60.0, 10), 15)
-    way = np.zeros(150)
-    for k in range(1, 150):
-        way[k] = way[k - 1] + np.clip(goal[k] - way[k - 1], -17.0, 17.0)
+    random = np.random.default_rng(1)
+    time = np.cumsum(random.uniform(0.098, 0.104, 600))
+    goal, way = np.repeat(random.uniform(-200.0, 200.0, 10), 60), np.zeros(600)
+    for k in range(1, 600):
+        way[k] = way[k - 1] + np.clip(goal[k] - way[k - 1], -152.0, 152.0)
     noise = estimate_noise([Signal("q", "rad", time, COUNT * np.round(way))], 0.3, contract)
     assert noise.std >= 0.99 * ROUNDING
