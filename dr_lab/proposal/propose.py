@@ -28,6 +28,8 @@ from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.sprung import Sprung, beside_springs
 from dr_lab.proposal.survey import Survey
 
+_GIVEN = ("drive", "reference", "asked velocity")
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -103,7 +105,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *(sprung.doubts(robot.joints, found.found.outcome) if sprung and found.found else ()),
             *moving_alike(found.outputs, commands, logs, settings),
             *doubts_of_counts(found.outputs),
-            *_of_commands(found, commands, settings),
+            *_of_commands(logs, found, commands, settings),
             *_beside_model(compiled(spec.copy()), found, commands, settings),
         ),
     )
@@ -169,15 +171,17 @@ def _add(spec: mujoco.MjSpec, command: Command) -> str:
     )
 
 
-def _of_commands(found: Positions, commands: Sequence[Command], settings: ProposalSettings) -> list[str]:
+def _of_commands(logs: Survey, found: Positions, commands: Sequence[Command], settings: ProposalSettings) -> list[str]:
     """What is unsure about the commands."""
     doubts = [d if d.startswith(c.drive.name) else f"{c.drive.name}: {d}" for c in commands for d in c.doubts]
     given = {command.drive.name for command in commands}
     lacking = [drive.name for drive in found.drives if not drive.added and drive.name not in given]
     if lacking:
+        kept = ", ".join(str(each.place) for each in logs.series if each.words.kind in _GIVEN and not each.moves)
+        constant = f"{kept} never changes: if that is one" if kept else "If one is constant"
         doubts.append(
-            f"No series of the logs is the command of {', '.join(lacking)}: controlled by 0. If one is constant, see "
-            "the comment at the end of the measurements."
+            f"No series of the logs is the command of {', '.join(lacking)}: controlled by 0. {constant}, see the "
+            "comment at the end of the measurements."
         )
     read = {c.series.place for c in commands} | {part.place for output in found.outputs for part in output.parts}
     unused = [str(each.place) for each in found.commands if each.place not in read]

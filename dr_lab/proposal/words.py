@@ -55,6 +55,7 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("cm",), "cm", "position"),
     (("m",), "m", "position"),
 )
+_ALONE = {"rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "rad", "mrad"}  # units that are a whole name
 _VELOCITY = {"vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"}
 _OTHER = {
     *("acc", "accel", "acceleration", "accelerations", "qdd", "ddq", "error", "errors", "temperature", "temp"),
@@ -261,7 +262,8 @@ def _unit(words: list[str], apart: Collection[tuple[str, ...]]) -> tuple[str, Ki
         before = rest[: -len(ending)]
         if len("".join(ending)) == 1 and tuple(before) in apart:
             continue
-        if before and tuple(rest[-len(ending) :]) == ending and _may_be(ending, kind, before):
+        whole = rest == [*ending] and {*ending} <= _ALONE
+        if (before or whole) and tuple(rest[-len(ending) :]) == ending and _may_be(ending, kind, before):
             return unit, kind, before + words[len(rest) :]
     return "", "", words
 
