@@ -97,7 +97,7 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
             *trading(described[-1].estimate),
             *together(ladder.models[-1]),
             *short_shifts(study.bench, ladder),
-            *notes.fit_notes(ladder.models),
+            *notes.fit_notes([each.fitted_model for each in described]),
             *report.notes,
             *_ladder_notes(study, ladder),
         ),

@@ -30,6 +30,7 @@ class Lesson:
         removes: share of the squared predicted error of the held-out logs that it removes; negative where that grows.
         by_log: root mean square predicted error of each held-out log without and with it, in standard deviations of
             the noise.
+        chi2: χ² of the held-out logs, whose starts are fitted, without and with it.
         accepted: whether it is worth keeping.
     """
 
@@ -37,6 +38,7 @@ class Lesson:
     joint: str
     removes: float
     by_log: Mapping[str, tuple[float, float]]
+    chi2: tuple[float, float]
     accepted: bool
 
     @property
@@ -48,7 +50,7 @@ class Lesson:
         """What the report says of it."""
         inputs = tuple(f"{each.quantity} of {each.name}" for each in self.force.basis.inputs)
         effect = self.fitted_model.model.effects[-1].label
-        return LearnedEntry(self.joint, effect, inputs, self.accepted, self.removes, dict(self.by_log))
+        return LearnedEntry(self.joint, effect, inputs, self.accepted, self.removes, dict(self.by_log), self.chi2)
 
 
 def lessons(study: Study, base: FittedModel, phase: Phase) -> tuple[Lesson, ...]:
@@ -123,7 +125,8 @@ def _judged(study: Study, joint: str, base: FittedModel, model: FittedModel) -> 
     """A lesson by the predicted errors without and with the force.
 
     It is accepted if logs are held out, their squared error together falls by `learning.better`, that of none rises by
-    more than `learning.worse`, and no further window diverges. No held-out log has a part in learning or choosing it.
+    more than `learning.worse`, nor does what is left where starts are fitted, and no further window diverges. No
+    held-out log has a part in learning or choosing it.
     """
     learning, windows = study.settings.learning, study.predicted
     before, after = (predicted_score(study, each.model, each.fit.z) for each in (base, model))
@@ -131,10 +134,11 @@ def _judged(study: Study, joint: str, base: FittedModel, model: FittedModel) -> 
     squares = {name: _of_log(windows.log == k, both, before, after) for k, name in enumerate(windows.logs)}
     sums = [float(score.window_sum[both].sum()) for score in (before, after)]
     removes = 1.0 - sums[1] / sums[0] if sums[0] > 0 else 0.0
-    no_worse = all(last <= first * (1.0 + learning.worse) for first, last in squares.values())
+    chi2 = (base.held_out.chi2, model.held_out.chi2)
+    no_worse = all(last <= first * (1.0 + learning.worse) for first, last in (*squares.values(), chi2))
     kept = study.bench.apart and no_worse and removes >= learning.better and after.infeasible <= before.infeasible
     roots = {name: (first**0.5, last**0.5) for name, (first, last) in squares.items()}
-    return Lesson(model, joint, removes, roots, accepted=bool(kept))
+    return Lesson(model, joint, removes, roots, chi2, accepted=bool(kept))
 
 
 def _of_log(rows: np.ndarray, both: np.ndarray, before: Score, after: Score) -> tuple[float, float]:

@@ -51,3 +51,4 @@ class LearnedEntry:
     accepted: bool
     removes: Number
     predicted: Mapping[str, Interval] = field(default_factory=dict)
+    chi2: Interval = (None, None)

@@ -52,7 +52,11 @@ def _learned(report: GapReport) -> str:
         else:
             kept = row.effect in steps(report)[-1].effects
             done = f"`{row.effect}`, {what}, is in the model as you asked, but" if kept else f"{what} was tried, and"
-            told.append(f"**Learned in vain:** {done} does not predict what it was not learned from{logs}).")
+            before, after = (each or 0.0 for each in row.chi2)
+            why = "does not predict what it was not learned from"
+            if after > before and (row.removes or 0.0) > 0.0:
+                why = f"leaves more of the {scored(report)} than no force does, χ² {number(before)} → {number(after)}"
+            told.append(f"**Learned in vain:** {done} {why}{logs}).")
     return " ".join(told)
 
 

@@ -116,24 +116,23 @@ def test_the_shortest_windows_that_explain_the_gap(
     monkeypatch: pytest.MonkeyPatch, answers: list[Answer | float], room: float, length: float, kind: str
 ) -> None:
     """Numbers are χ² of the model calibrated to the longer windows of one that left noise alone."""
-    left, confidence = iter(answers), list[float]()
+    left, confidence = [*answers], list[float]()
 
     def climb(made: Study, *known: object) -> Ladder:
         del known
         confidence.append(made.bench.evidence.confidence)
-        return cast(Ladder, next(left))
+        return cast(Ladder, left.pop(0))
 
     def calibrated(made: Study, short: object) -> SimpleNamespace:
         del made, short
-        chi2 = next(left, 1.0)
-        assert isinstance(chi2, float)
-        return fitted(chi2)
+        return fitted(left.pop(0) if left and isinstance(left[0], float) else 1.0)
 
     monkeypatch.setattr(climbing, "_ladder", climb)
     monkeypatch.setattr(climbing, "_calibrated_from", calibrated)
     windows, evidence = windows_settings(length=0.3, longest=2.7), evidence_settings(confidence=0.97)
     first = cast(Study, Windowed(comparison_settings(windows=windows, evidence=evidence), room))
     found, ladder = climbing.climbed(first, {}, most=1, watch=Silence())
+    assert not left
     assert found.settings.windows.length == pytest.approx(length)
     assert ladder.verdict(evidence) == kind
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
@@ -167,6 +166,7 @@ def test_a_doubt_is_asked_again_with_a_step_that_does_not_show_beside_what_is_le
         return cast(Ladder, next(answers))
 
     monkeypatch.setattr(climbing, "_ladder", climb)
+    monkeypatch.setattr(climbing, "_calibrated_from", lambda *_: fitted(9.0))
     check = replace(comparison_settings().model_check, least_share=0.2)
     settings = comparison_settings(windows=windows_settings(length=0.3, longest=2.7), model_check=check)
     study = cast(Study, Windowed(settings, 9.0))

@@ -78,6 +78,9 @@ def test_a_learned_force_that_nothing_could_judge_is_not_called_in_vain(close_re
         }
     ]
     assert "was tried, and does not predict" in page(close_report)
+    close_report["learned"][0]["chi2"] = [6.1, 14.2]
+    assert "was tried, and leaves more of the held-out logs than no force does, χ² 6.1 → 14.2 (" in page(close_report)
+    close_report["learned"][0]["chi2"] = [14.2, 6.1]
     close_report["ladder"].append(close_report["ladder"][-1] | {"effects": ["residual_force@arm"], "learned": True})
     text = page(close_report)
     assert "**Learned in vain:** `residual_force@arm`" in text
