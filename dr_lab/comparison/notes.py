@@ -7,7 +7,7 @@ import numpy as np
 
 from dr_lab.comparison.fault_notes import KIND, fault_notes
 from dr_lab.comparison.misread_notes import misread_notes
-from dr_lab.comparison.silent_notes import silent_notes
+from dr_lab.comparison.silent_notes import silent_notes, unchecked_notes
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.checks.open_chains import open_chain
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
@@ -22,11 +22,10 @@ from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
-from dr_lab.reports.quantity import in_unit, number
+from dr_lab.reports.quantity import in_unit, number, shortened
 from dr_lab.trajectory import MeasurementSet, Note
 
 DISAGREEING = "disagreeing_logs"
-_NAMED = 6  # logs
 
 
 def study_notes(study: Study) -> list[NoteEntry]:
@@ -37,6 +36,7 @@ def study_notes(study: Study) -> list[NoteEntry]:
         *_step_note(study),
         *_chain_note(study),
         *silent_notes(study.compiled, study.measurements),
+        *unchecked_notes(study.measurements, study.settings.faults),
         *_split_note(study.measurements),
         *_short_note(study),
         *_data_notes(study.measurements),
@@ -253,7 +253,7 @@ def _short_note(study: Study) -> list[NoteEntry]:
     short = [log.name for log in (*measured.fit, *measured.held_out) if log.name not in used]
     if not short:
         return []
-    named = ", ".join([*short[:_NAMED], f"{len(short) - _NAMED} more"] if len(short) > _NAMED else short)
+    named = shortened(short)
     message = (
         f"{named} took no part: a window of {settings.length + settings.run_in + 2 * settings.margin:.3g} s without a "
         f"gap, behind {settings.past:g} s of commands, has no room there. Shorten windows.length, or give longer logs."

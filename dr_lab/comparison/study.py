@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import known_faults
 from dr_lab.comparison.first_notes import say_first
-from dr_lab.comparison.silent_notes import silent_notes
+from dr_lab.comparison.silent_notes import silent_notes, unchecked_notes
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
 from dr_lab.diagnosis.checks.control_units import require_control_units
@@ -122,7 +122,8 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
     read = with_lines(comparison, suspected, may_follow_lines(forces, measured, comparison.settings.faults))
     compiled = comparison.model.nominal()
     resolve(compiled, tuple(measured.fit[0].outputs))  # a name that is wrong is no channel that is lacking
-    tell([*known_faults(suspected, read.measurements), *silent_notes(compiled, measured)])
+    silent = (*silent_notes(compiled, measured), *unchecked_notes(measured, comparison.settings.faults))
+    tell([*known_faults(suspected, read.measurements), *silent])
     return _study(read, suspected)
 
 

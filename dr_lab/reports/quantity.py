@@ -1,12 +1,13 @@
 """Numbers as a person reads them: rounded to what they are worth, with their unit."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 ABSENT = "–"
 _WRITTEN_OUT = 6  # digits before the point up to which no power of ten is written
 _COUNTED = 1e9  # whole numbers below it are counts, such as control steps, and have all their digits
 _FEWEST, _FINEST = 3, 6  # significant digits of values beside one another
+_LISTED = 6  # names
 _MOST = 10.0  # share of one, either sign, beyond which it says no more than that it is large
 
 
@@ -109,6 +110,16 @@ def counted(count: int, what: str) -> str:
     ('1 run', '3 runs')
     """
     return f"{count} {what}{'s' * (count != 1)}"
+
+
+def shortened(names: Sequence[str]) -> str:
+    """Names one after the other, of many the first.
+
+    >>> shortened(["a", "b"]), shortened(["a", "b", "c", "d", "e", "f", "g", "h"])
+    ('a, b', 'a, b, c, d, e, f, 2 more')
+    """
+    more = len(names) - _LISTED
+    return ", ".join([*names[:_LISTED], f"{more} more"] if more > 0 else names)
 
 
 def titled(name: str, unit: str) -> str:

@@ -77,6 +77,11 @@ class FaultSettings:
     def __post_init__(self) -> None:
         require_bounds(self, "faults")
 
+    @property
+    def least_span(self) -> float:
+        """The shortest log in s that holds as many test functions as a regression is worth."""
+        return 2 * self.equation.half_width + (self.fewest - 1) * self.equation.hop
+
     def is_coarse(self, wait: float) -> bool:
         """Whether commands `wait` s apart come so rarely that lines between them may miss much of what was sent."""
         return wait > self.coarse * self.equation.step

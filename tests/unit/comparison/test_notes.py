@@ -98,6 +98,18 @@ def test_an_actuator_without_a_command_is_told_before_anything_is_fitted(*, comm
     assert (told == "") == commanded
 
 
+def test_logs_that_are_too_short_to_check_their_commands_are_told_before_anything_is_fitted() -> None:
+    """16 test functions of 0.2 s, 0.05 s apart, need 0.95 s."""
+    logs = [swinging(name, pendulum().nominal(), 0, seconds=s) for name, s in (("a", 3.0), ("b", 0.8), ("c", 3.0))]
+    notes: list[NoteEntry] = []
+    prepare(short_comparison(pendulum(), measured(logs[:2], logs[2:])), notes.extend)
+    told = silent_markdown(notes)
+    assert told.startswith(
+        "- Too short to check whether commands have the right sign, unit and clock (less than 0.95 s)"
+    )
+    assert told.endswith(": b. What is wrong there would pass for physics.")
+
+
 @pytest.mark.parametrize(("high", "told"), [(0.04, 1), (1.0, 0)])
 def test_a_declared_bound_that_binds_is_told(high: float, told: int) -> None:
     """The machine's damping is 0.05 N·m·s/rad."""
