@@ -1,4 +1,4 @@
-"""Notes on what cannot be said of the logs: what the model has and they do not name, and what they are too short for."""
+"""Notes on what logs cannot tell: what the model has and they do not name, and what they are too short for."""
 
 from collections.abc import Sequence
 
