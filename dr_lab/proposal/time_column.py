@@ -1,5 +1,6 @@
 """The column of a table that is its clock, in which unit, and the column that tells several logs in one file apart."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,6 +56,11 @@ def find_clock(path: Path) -> Clock:
         raise DataError(f"{path.name}: {bare}. The line is {', '.join(table.column_names)}.")
     if split and not named:
         raise DataError(f"{path.name} has no clock: {split[0]}")
+    if not named and (coarse := _coarse(columns)):
+        raise DataError(
+            f"{path.name} has no clock: {coarse} rises, but keeps its value over {_longest(columns[coarse])} rows. "
+            "Write the time of each row in s, such as the number of the row times the sampling period."
+        )
     if not named:
         other = f" Columns that rise, but are not called time: {', '.join(rising)}." if rising else ""
         raise DataError(
@@ -71,8 +77,30 @@ def _rank(name: str) -> int:
     return 0 if {*tokens(name)} <= {*_CLOCK_WORDS, *_SAID} else 1
 
 
+def _coarse(columns: Mapping[str, pa.ChunkedArray]) -> str | None:
+    """A column that is called a clock and hardly falls, but counts whole seconds or the like; None without one."""
+    for name, column in columns.items():
+        values = _numbers(column) if {*tokens(name)} & {*_CLOCK_WORDS, *_SAID} else None
+        if values is not None and len(values) > 2 and (np.diff(values) >= 0).mean() > _RISES and np.ptp(values) > 0:
+            return name
+    return None
+
+
+def _longest(column: pa.ChunkedArray) -> int:
+    """Most rows in a row over which a column keeps its value."""
+    values = _numbers(column)
+    changes = np.flatnonzero(np.diff(values) != 0) if values is not None else np.zeros(0, np.intp)
+    return int(np.diff(np.concatenate([[-1], changes, [len(column) - 1]])).max())
+
+
 def _rising(column: pa.ChunkedArray) -> np.ndarray | None:
     """A column's numbers where they rise, in ns where they are times of day; None where they do not."""
+    values = _numbers(column)
+    return values if values is not None and len(values) > 2 and (np.diff(values) > 0).mean() > _RISES else None
+
+
+def _numbers(column: pa.ChunkedArray) -> np.ndarray | None:
+    """A column's finite numbers, in ns where they are times of day; None of text."""
     kind = column.type
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
         scale = {"s": 1e9, "ms": 1e6, "us": 1e3, "ns": 1.0}[kind.unit]
@@ -85,8 +113,7 @@ def _rising(column: pa.ChunkedArray) -> np.ndarray | None:
             values = column.cast(pa.float64()).to_numpy()
     else:
         return None
-    values = values[np.isfinite(values)]
-    return values if len(values) > 2 and (np.diff(values) > 0).mean() > _RISES else None
+    return values[np.isfinite(values)]
 
 
 def _unit(name: str, kind: pa.DataType, values: np.ndarray) -> tuple[str, str]:

@@ -219,6 +219,15 @@ def test_a_table_without_a_clock(here: Path) -> None:
         find_clock(here / "a.csv")
 
 
+def test_a_clock_of_whole_seconds(here: Path) -> None:
+    rows = "\n".join(f"{1764249896 + k // 3},{0.1 * k:.1f}" for k in range(60))
+    (here / "a.csv").write_text(f"Time (s),RPM\n{rows}\n")
+    with pytest.raises(
+        DataError, match=r"a.csv has no clock: Time \(s\) rises, but keeps its value over 3 rows\. Write"
+    ):
+        find_clock(here / "a.csv")
+
+
 def test_a_table_without_a_header(here: Path) -> None:
     """The first row begins with two equal numbers, which no two columns are called."""
     (here / "a.csv").write_text("\n".join(f"{0.01 * k:.2f},{0.01 * (k % 7):.2f}" for k in range(100)))
