@@ -211,8 +211,20 @@ def _share(report: GapReport) -> str:
     low, high = explained.low, explained.high
     interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""
     subject = "Together they explain" if len(report.added) > 1 else "It explains"
-    told = f"{subject} {percent(explained.share)}{interval} of what the calibrated model misses."
+    told = f"{subject} {percent(explained.share)}{interval} of what the calibrated model misses{_few_windows(report)}."
     return f"{told}{_predicted(report)}"
+
+
+def _few_windows(report: GapReport) -> str:
+    """That the share is that of a typical window, where all squares together fall by less than its interval says."""
+    low, (first, last) = report.judged.explained.low, (report.ladder[0].held_out, report.catalogued[-1].held_out)
+    if low is None or first.chi2 is None or last.chi2 is None or first.chi2 <= 1.0:
+        return ""
+    falls = min((first.chi2 - last.chi2) / (first.chi2 - 1.0), 1.0)
+    if falls >= low:
+        return ""
+    together = f"fall by {percent(falls)}" if falls > 0.0 else "do not fall"
+    return f" in a typical window; the squares of all windows together, most of them in few, {together}"
 
 
 def _predicted(report: GapReport) -> str:

@@ -30,6 +30,21 @@ def test_a_prediction_is_told_without_and_with_what_was_added(close_report: dict
     assert "0.0354 rad RMS without them and 0.0224 with them." in told
 
 
+@pytest.mark.parametrize(
+    ("after", "words"),
+    [
+        (4594.0, "misses in a typical window; the squares of all windows together, most of them in few, fall by 43 %."),
+        (9000.0, "misses in a typical window; the squares of all windows together, most of them in few, do not fall."),
+        (20.0, "misses. "),
+    ],
+)
+def test_a_share_of_typical_windows_is_told_as_such(close_report: dict[str, Any], after: float, words: str) -> None:
+    """χ² falls by 43 %, or not at all, where 95 % of a typical window's are explained."""
+    for rung, chi2 in zip(close_report["ladder"], (8127.0, after), strict=True):
+        rung["held_out"]["chi2"] = chi2
+    assert words in verdict(explaining(close_report, share=0.95, low=0.9))
+
+
 def test_a_channel_whose_noise_is_unknown_has_no_unit(close_report: dict[str, Any]) -> None:
     for rung, error in zip(close_report["ladder"], (2.0, 1.0), strict=True):
         rung["held_out"]["rmse_predicted"] = {"other": error}
