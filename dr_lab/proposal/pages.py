@@ -1,6 +1,7 @@
 """The files of a proposal: MJCF, measurements and model; comments say what was found and what is unsure."""
 
 import json
+import math
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,6 +18,7 @@ from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.split import Split
 
 _WIDTH = 116
+_ANGLES = {"rad": 1.0, "deg": math.pi / 180}  # rad
 _PLAIN = re.compile(r"[A-Za-z_/][\w./·^°-]*")
 _WORDS = {"true", "false", "null", "yes", "no", "on", "off", "none", "y", "n"}
 
@@ -143,18 +145,31 @@ def _counts_of_outputs(proposal: Proposal) -> Iterator[str]:
 
 
 def _counts_of_commands(proposal: Proposal) -> Iterator[str]:
-    """What to write for commands that are asked of such angles, in the same counts."""
-    counts = {each.channel.rpartition(".")[0]: each.counts for each in proposal.outputs if each.counts}
-    may = [
-        each
+    """What to write for commands of such angles: those asked for in the same counts, forces in no unit that is said."""
+    counted = {each.channel.rpartition(".")[0]: each for each in proposal.outputs if each.counts}
+    entries = {
+        each.drive.name: entry
         for each in proposal.commands
-        if each.drive.joint in counts and each.unit in ("rad", "deg") and may_be_counts(each.series)
-    ]
-    if may:
+        if each.drive.joint in counted and (entry := _in_counts(each, counted[each.drive.joint], proposal))
+    }
+    if entries:
         yield "  # If the numbers are counts, as those of the outputs, write in place of these lines:"
-    for each in may:
-        entry = entry_of_counts(_of_command(each, proposal), counts[each.drive.joint])
-        yield f"  # {_text(each.drive.name)}: {_flow(entry)}"
+    for name, entry in entries.items():
+        yield f"  # {_text(name)}: {_flow(entry)}"
+
+
+def _in_counts(command: Command, angle: Output, proposal: Proposal) -> Mapping[str, object] | None:
+    """A command's entry if its joint's angle is in counts; None where that is the same, or not known.
+
+    A force is as much smaller as a count is than what the angle's numbers were read as.
+    """
+    entry = _of_command(command, proposal)
+    if command.unit in _ANGLES:
+        return entry_of_counts(entry, angle.counts) if may_be_counts(command.series) else None
+    if command.drive.servo or command.given is None or command.series.words.unit or angle.unit not in _ANGLES:
+        return None
+    smaller = 2 * math.pi / angle.counts[0] / (_ANGLES[angle.unit] * angle.scale)
+    return {**entry, "scale": float(f"{abs(command.given.gain / command.drive.force) * smaller:.2g}")}
 
 
 def _of_output(output: Output, proposal: Proposal) -> dict[str, object]:

@@ -68,6 +68,10 @@ def test_what_the_motion_does_not_tell_is_said_with_the_lines_to_write(
     assert "  # turn.position: {column: angle, unit: deg, scale: 0.087890625}" in lines
     assert ("  # motor: {column: target, unit: deg, scale: 0.087890625}" in lines) == servo
     assert any("0.09 of 4000" in line for line in lines)
+    if not servo:
+        (line,) = (line for line in lines if line.startswith("  # motor: "))
+        said = yaml.safe_load(line.removeprefix("  # "))["motor"]
+        assert said["scale"] == pytest.approx(1.0, rel=0.1)  # the torque is in N·m
 
 
 def test_rests_at_a_command_of_a_known_unit_tell_the_counts(capsys: pytest.CaptureFixture[str]) -> None:
