@@ -53,7 +53,7 @@ def find_positions(
     allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [*_commanding(model, logs), *unnamed]
-    if scalar and not assignable:
+    if scalar and not (assignable and (named or _integrals(logs, unnamed, settings))):
         found = _by_velocities(tries, logs, asked)
         if found is not None:
             return found
@@ -111,6 +111,12 @@ def _positions(
     )
     doubts = doubts_of(joints, searched.found, candidates, settings)
     return Positions(outputs, searched.found, searched.trial, searched.asked, searched.drives, doubts, searched.gyros)
+
+
+def _integrals(logs: Survey, nameless: Sequence[Series], settings: ProposalSettings) -> bool:
+    """Whether nameless series may be positions beside velocities that are named: whether one changes as they say."""
+    rates = [s for s in logs.named("velocity") if s.moves]
+    return not rates or len(no_velocities(rates, nameless, settings)) < len(rates)
 
 
 def _by_velocities(tries: Tries, logs: Survey, asked: Sequence[Series]) -> Positions | None:

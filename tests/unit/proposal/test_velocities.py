@@ -24,7 +24,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("it.xml").write_text(ROTOR)
 
 
-def proposed(name: str, per_rad: float, *, integrated: bool = False) -> dict[str, Any]:
+def proposed(name: str, per_rad: float, *, integrated: bool = False, command: str = "u") -> dict[str, Any]:
     """What init makes of a rotor's speed, or its angle, in a column of that name; the rotor turns up to 25 rad/s."""
     model, paths = mujoco.MjModel.from_xml_string(ROTOR), []
     for seed in range(3):
@@ -37,7 +37,7 @@ def proposed(name: str, per_rad: float, *, integrated: bool = False) -> dict[str
                 rows.append((data.time, data.ctrl[0], per_rad * (moved + rng.normal(scale=1e-3))))
             mujoco.mj_step(model, data)
         paths.append(
-            str(write_csv(Path(f"logs/{seed}.csv"), dict(zip(("t", "u", name), np.array(rows).T, strict=True))))
+            str(write_csv(Path(f"logs/{seed}.csv"), dict(zip(("t", command, name), np.array(rows).T, strict=True))))
         )
     assert main(["init", "it.xml", *paths]) == 0
     return yaml.safe_load(Path("mine/measurements/it.yaml").read_text(encoding="utf-8"))
@@ -58,3 +58,9 @@ def test_a_column_that_explains_nothing_but_as_a_velocity_is_one(name: str, per_
 def test_a_position_and_what_is_named_one_stay_positions(name: str, integrated: bool) -> None:
     found = proposed(name, 1.0, integrated=integrated)
     assert found["outputs"] == {"shaft.position": {"column": name, "unit": "rad"}}
+
+
+def test_a_named_velocity_is_believed_before_a_nameless_column_is_called_a_position() -> None:
+    found = proposed("rpm", 30 / np.pi, command="Output")
+    assert found["outputs"] == {"shaft.velocity": {"column": "rpm", "unit": "rpm"}}
+    assert found["commands"] == {"motor": {"column": "Output", "unit": "N·m"}}
