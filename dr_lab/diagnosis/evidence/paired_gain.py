@@ -289,9 +289,11 @@ def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is supported but for its interval, of which only the confidence of a trial is asked.
 
-    Where several effects are missing each scatters what another one gains: beside them it may well be beyond doubt.
+    Where several effects are missing each scatters what another one gains: beside them it may well be beyond doubt. Nor
+    is the interval asked of one that closes half of a typical window's gap: no other cause can explain as much.
     """
-    return gain.trial_low > 0 and sizeable(gain, extra_parameters, settings)
+    hopeful = gain.trial_low > 0 or gain.gap >= settings.least_named
+    return hopeful and sizeable(gain, extra_parameters, settings)
 
 
 def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

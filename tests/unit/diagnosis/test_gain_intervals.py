@@ -87,6 +87,15 @@ def test_a_trial_asks_for_less_confidence_and_nothing_else() -> None:
     assert not worth_a_trial(gain, 1, replace(SETTINGS, least_gap=0.99))
 
 
+def test_what_closes_half_of_a_typical_gap_is_worth_a_trial_whatever_its_interval() -> None:
+    settings = replace(SETTINGS, least_named=0.5)
+    worse, better = np.array([500.0, 100.0, 2000.0, 400.0] * 4), np.array([300.0, 160.0, 150.0, 410.0] * 4)
+    gain = replace(paired_gain(score(worse), score(better), settings), trial_low=-1.0, gap=0.55)
+    assert worth_a_trial(gain, 1, settings)
+    assert not worth_a_trial(replace(gain, gap=0.45), 1, settings)
+    assert not worth_a_trial(replace(gain, total=settings.threshold), 1, settings)
+
+
 def test_three_blocks_have_an_interval() -> None:
     better = np.full(3, 100.0)
     gain = paired_gain(score(5 * better, logs=1), score(better, logs=1), SETTINGS)
