@@ -110,10 +110,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
 
 def _diverges(worse: Score, better: Score) -> bool:
     """Whether the better model lets a window diverge that the worse one simulates, among all windows."""
-    pairs = [(worse, better)]
-    if worse.foretold is not None and better.foretold is not None:
-        pairs.append((worse.foretold, better.foretold))
-    return any(bool(((first.window_count > 0) & (second.window_count == 0)).any()) for first, second in pairs)
+    pairs = [(worse, better), (worse.foretold, better.foretold)]
+    known = [(first, second) for first, second in pairs if first is not None and second is not None]
+    return any(bool(((first.window_count > 0) & (second.window_count == 0)).any()) for first, second in known)
 
 
 class _Every(NamedTuple):
@@ -289,11 +288,10 @@ def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is supported but for its interval, of which only the confidence of a trial is asked.
 
-    Where several effects are missing each scatters what another one gains: beside them it may well be beyond doubt. Nor
-    is the interval asked of one that closes half of a typical window's gap: no other cause can explain as much.
+    Where several effects are missing each scatters what another one gains. Of one that closes half of a typical
+    window's gap no interval is asked: no other cause can explain as much.
     """
-    hopeful = gain.trial_low > 0 or gain.gap >= settings.least_named
-    return hopeful and sizeable(gain, extra_parameters, settings)
+    return (gain.trial_low > 0 or gain.gap >= settings.least_named) and sizeable(gain, extra_parameters, settings)
 
 
 def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
