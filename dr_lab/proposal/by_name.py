@@ -10,8 +10,8 @@ def matches(names: Sequence[str], series: Sequence[Series]) -> list[list[int]]:
     """The series that each name may mean, as places among them; one where the names leave no choice.
 
     A series' own words decide first (``elbow_flex.pos`` of joint ``elbow_flex``), then its number, where as many are
-    numbered as there are names (``q1``, ``q2`` or ``data[0]``, ``data[1]``, in the order of the model). Names that say
-    nothing may mean any series that is not another's.
+    numbered as there are names: those of names with the same numbers (``j5`` and ``pos (5)``), else in the order of the
+    model (``data[0]``, ``data[1]``). Names that say nothing may mean any series that is not another's.
 
     Args:
         names: of joints or actuators, in the model's order.
@@ -62,8 +62,11 @@ def _alike(words: frozenset[str], series: Series) -> float:
 
 
 def _by_number(names: Sequence[str], series: Sequence[Series]) -> list[list[int]]:
-    """Series by their numbers in order, several of one number where they are called differently."""
+    """Series by their numbers, several of one number where they are called differently."""
     numbers = sorted({each.words.number for each in series if each.words.number is not None})
     if len(numbers) != len(names) or len(names) < 2:
         return []
+    own = [[int(word) for word in identity(name) if word.isdigit()] for name in names]
+    if sorted(own) == [[number] for number in numbers]:
+        numbers = [number for (number,) in own]
     return [[k for k, each in enumerate(series) if each.words.number == number] for number in numbers]
