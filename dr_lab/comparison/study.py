@@ -17,6 +17,7 @@ from dr_lab.diagnosis.checks.control_units import require_control_units
 from dr_lab.diagnosis.checks.firm_loops import firm_loops
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
+from dr_lab.diagnosis.checks.output_units import require_output_units
 from dr_lab.diagnosis.checks.refinement import Refinement, refine, unneeded
 from dr_lab.diagnosis.checks.self_test import require_own_logs_explained
 from dr_lab.diagnosis.evidence.bench import Bench, fitted
@@ -108,7 +109,7 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
     Raises:
         ConfigError: no log is there to fit on.
         UnknownNameError: the model has no such channel.
-        DataError: a command is a torque for a slide or a force for a hinge.
+        DataError: a command is a torque for a slide or a force for a hinge, or a joint's channel the other quantity.
         ModelError: the model diverges in every window, or does not explain logs that it made itself.
     """
     measured = comparison.measurements
@@ -116,7 +117,9 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
         raise ConfigError(
             f"Measurements {measured.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
-    require_control_units(comparison.model.nominal(), (*measured.fit, *measured.held_out))
+    every = (*measured.fit, *measured.held_out)
+    require_control_units(comparison.model.nominal(), every)
+    require_output_units(comparison.model.nominal(), every)
     forces = forces_of(comparison.model, measured, comparison.settings.faults)
     suspected = suspect_faults(forces, measured)
     read = with_lines(comparison, suspected, may_follow_lines(forces, measured, comparison.settings.faults))
