@@ -89,8 +89,10 @@ def _coarse(columns: Mapping[str, pa.ChunkedArray]) -> str | None:
 def _longest(column: pa.ChunkedArray) -> int:
     """Most rows in a row over which a column keeps its value."""
     values = _numbers(column)
-    changes = np.flatnonzero(np.diff(values) != 0) if values is not None else np.zeros(0, np.intp)
-    return int(np.diff(np.concatenate([[-1], changes, [len(column) - 1]])).max())
+    if values is None:
+        return 0
+    ends = np.concatenate([[-1], np.flatnonzero(np.diff(values) != 0), [len(values) - 1]])
+    return int(np.diff(ends).max())
 
 
 def _rising(column: pa.ChunkedArray) -> np.ndarray | None:

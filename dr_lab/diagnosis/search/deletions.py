@@ -43,11 +43,11 @@ class Deletions:
 
     def ranked(self, candidates: Iterable[Candidate]) -> None:
         """Remember the newest ranking's models that are fitted to all windows."""
-        self._ranked = {_labels(c.fitted_model.model.effects): c.fitted_model for c in candidates if c.final}
+        self._ranked = {labels(c.fitted_model.model.effects): c.fitted_model for c in candidates if c.final}
 
     def as_ranked(self, effects: Sequence[ModelEffect]) -> FittedModel | None:
         """The model with these effects as the newest ranking fitted it; None where it did not."""
-        return self._ranked.get(_labels(effects))
+        return self._ranked.get(labels(effects))
 
     def without(
         self, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
@@ -83,5 +83,6 @@ class Deletions:
         return ((*fewer[:-1], replace(fewer[-1], fitted_model=better)), base) if fewer else (fewer, better)
 
 
-def _labels(effects: Sequence[ModelEffect]) -> tuple[str, ...]:
+def labels(effects: Sequence[ModelEffect]) -> tuple[str, ...]:
+    """Labels of effects, in their order: models with the same ones differ in their fits alone."""
     return tuple(effect.label for effect in effects)

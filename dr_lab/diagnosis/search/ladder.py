@@ -27,7 +27,7 @@ from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
 from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
-from dr_lab.diagnosis.search.deletions import Deletions
+from dr_lab.diagnosis.search.deletions import Deletions, labels
 from dr_lab.diagnosis.search.in_place import weighed_anew
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean
@@ -227,14 +227,10 @@ def _as_before(ladder: Ladder, placed: Sequence[PlacedEffect], settings: Evidenc
     last, wanted = ladder.models[-1], {effect.label for effect in placed}
     for rung in reversed(ladder.rungs):
         kept = [candidate for candidate in rung.ranking if candidate.effect.label in wanted]
-        alike = _labels(rung.base.model) == _labels(last.model) and len(kept) == len(wanted)
+        alike = labels(rung.base.model.effects) == labels(last.model.effects) and len(kept) == len(wanted)
         if alike and all(at_floor(model.held_out, settings) for model in (rung.base, last)):
             return Ranking(last, beside(last, kept, settings))
     return None
-
-
-def _labels(model: Model) -> list[str]:
-    return [effect.label for effect in model.effects]
 
 
 def _to_try(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> list[PlacedEffect]:
@@ -270,7 +266,7 @@ def _with_rung(
     steps = ladder.steps
     if not over:
         step, end = rung.step(), rung.step().ended(bench)
-        if ranking.back_from is step.fitted_model.fit:
+        if ranking.back_from is step.fitted_model.fit:  # both end in one valley
             deletions.tried(end.fitted_model.fit)
         steps = reconsider(bench, ladder.base, (*steps, end), range(len(steps)))
     if over:
