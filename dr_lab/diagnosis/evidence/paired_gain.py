@@ -25,12 +25,11 @@ class Gain:
     Attributes:
         share: share of the worse model's χ² that the better one removes in a typical window, of those that score and
             of fitted ones as fits to the others foretell them; χ² of a typical window is exp(mean ln(1 + χ²_w)) − 1.
-        low: lower end of its interval.
-        high: upper end.
+        low, high: ends of its interval.
         error: share of the worse model's χ² that is more than noise, in a typical one of these windows.
         gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
-            those that score; where all channels together are at the floor, that of the channel `place`.
-        channels: that share by channel; 1 where the worse model is at the floor.
+            those that score; where all channels together are at the floor, that of the channel `place`, 1 if it is too.
+        channels: that share by channel, of those in which the worse model leaves more than noise.
         place: the channel in which the evidence of the windows that score is most.
         total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
             fits to the others foretell them; the difference of the deviances −2 ln L of residuals that are noise or,
@@ -61,7 +60,7 @@ class Gain:
 
 
 def _nothing(bound: float) -> Gain:
-    """The gain where both models simulate no window, with a lower bound of its evidence."""
+    """The gain where both models simulate no window; `bound` is the lower one of its evidence."""
     return Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, bound, bound, bound, 0.0, clear=False)
 
 
@@ -91,13 +90,14 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
     bounds = _bounds(every, drawn[3], (worse, better), settings)
+    gaps = {name: gap for name, (_, gap) in each.items() if not np.isnan(gap)}
     return Gain(
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
         error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
-        gap=_gap(theirs, ours, count) if _typical(theirs, count) > 1 else each[place][1],
-        channels={name: found[1] for name, found in each.items()},
+        gap=_gap(theirs, ours, count, gaps.get(place, 1.0)),
+        channels=gaps,
         place=place,
         total=float(every.rows[3].sum()),
         total_low=bounds.total,
@@ -189,8 +189,8 @@ def _loss(worse: Score, better: Score, tail: float) -> float:
 
 
 def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
-    count = worse.window_count[both]
-    return np.stack([*(_logs(score.window_sum[both], count) for score in (worse, better)), count, evidence])
+    n = worse.window_count[both]
+    return np.stack([_logs(worse.window_sum[both], n), _logs(better.window_sum[both], n), n, evidence])
 
 
 def _removed(sums: Array) -> Array:
@@ -225,13 +225,13 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     """
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
-    return (deviance(theirs, count) - deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
+    return (deviance(theirs, count) - deviance(ours, count)) / least.colour, _gap(theirs, ours, count, np.nan)
 
 
-def _gap(worse: Array, better: Array, count: Array) -> float:
-    """Share of the gap of a typical window that closes, from the sums of its squares."""
+def _gap(worse: Array, better: Array, count: Array, none: float) -> float:
+    """Share of the gap of a typical window that closes, from the sums of its squares; `none` where there is no gap."""
     before, after = _typical(worse, count), _typical(better, count)
-    return min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
+    return min((before - after) / (before - 1), 1.0) if before > 1 else none
 
 
 def deviance(sums: Array, count: Array) -> Array:
@@ -251,7 +251,7 @@ def _logs(sums: Array, count: Array) -> Array:
 
 
 def largest_gap(gain: Gain) -> float:
-    """Share of the gap that closes, over all channels or in the one where the evidence is most, whichever is more."""
+    """Share of the gap that closes, over all channels or in the one with most evidence, if it has a gap, at best."""
     return max(gain.gap, gain.channels.get(gain.place, 0.0))
 
 

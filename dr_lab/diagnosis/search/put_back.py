@@ -86,7 +86,7 @@ def closes_little(poorer: FittedModel, richer: FittedModel, settings: EvidenceSe
         return False
     gap = (poorer.held_out.chi2 if channel is None else channel.chi2) - 1
     hardly = settings.least_named * gap < settings.floor - 1
-    return hardly and gain.channels.get(gain.place, 0.0) < settings.least_named
+    return hardly and gain.channels.get(gain.place, 1.0) < settings.least_named
 
 
 @dataclass(frozen=True)

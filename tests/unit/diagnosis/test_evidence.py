@@ -140,6 +140,31 @@ def test_a_trifle_of_one_channel_does_not_count_where_another_one_is_below_its_n
     assert not supported(gain, 1, SETTINGS)
 
 
+def test_what_a_channel_below_its_noise_gains_closes_no_gap_of_another() -> None:
+    """A quiet channel gains as much beside a loud one, whose gap stays open, as alone, where no gap is left."""
+    before, after, loud = np.full(60, 0.99), np.full(60, 0.96), np.full(60, 1.1)
+    count = np.full(60, 100.0)
+
+    def of(*levels: np.ndarray) -> Score:
+        channels = {
+            name: ChannelScore(level * count, count, 1.0, instrumental=False)
+            for name, level in zip("ab", levels, strict=False)
+        }
+        sums, counts = sum(levels) * count, len(levels) * count
+        return Score(
+            float(sums.sum() / counts.sum()), {}, {}, {}, sums, counts, np.repeat(np.arange(2), 30), 0, channels
+        )
+
+    beside, alone = (
+        paired_gain(of(before, loud), of(after, loud), SETTINGS),
+        paired_gain(of(before), of(after), SETTINGS),
+    )
+    assert beside.place == alone.place == "a"
+    assert np.isclose([beside.total, alone.total], 60 * 100 * 0.03).all()
+    assert supported(alone, 1, SETTINGS)
+    assert not supported(beside, 1, replace(SETTINGS, least_gap=0.4))
+
+
 def test_equal_models_are_not_told_apart() -> None:
     found = [paired_gain(score(chi2(40, 2 * k)), score(chi2(40, 2 * k + 1)), SETTINGS) for k in range(50)]
     assert sum(supported(gain, 1, SETTINGS) for gain in found) <= 1
