@@ -11,9 +11,9 @@ import yaml
 
 from dr_lab.benchmark.case import Case
 from dr_lab.benchmark.outcome import numbers_of
-from dr_lab.comparison.fault_notes import faults_line
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.effects.effect import Effect
+from dr_lab.reports.faults import faults_line
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.sources.source import write_logs
 

@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 
 from dr_lab.diagnosis.faults.data_faults import Fault
+from dr_lab.reports.faults import DERIVED, FAULT, UNLOGGED, allowed_for, faults_by_signal
 from dr_lab.reports.gap_entries import NoteEntry
-from dr_lab.reports.quantity import counted
 from dr_lab.trajectory import MeasurementSet
 
-KIND = "fault"
-UNLOGGED, DERIVED = "unlogged", "derived"  # notes on what the reading of the logs allows for
 UNDECIDED = "undecided"
 BETWEEN = (UNLOGGED, UNDECIDED)  # that commands went on between their samples, or may have
 _READINGS = (*BETWEEN, DERIVED)
@@ -22,7 +20,7 @@ def fault_notes(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteE
     """Notes on faults that the model shows, then on those that the data alone show."""
     shown = [
         NoteEntry(
-            kind=KIND,
+            kind=FAULT,
             fault=fault.kind,
             log=fault.log,
             signal=fault.signal,
@@ -32,7 +30,7 @@ def fault_notes(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteE
     ]
     alone = [
         NoteEntry(
-            kind=KIND,
+            kind=FAULT,
             fault=note.message.split(":")[0].lower(),
             log=log.name,
             signal=note.signal,
@@ -41,7 +39,7 @@ def fault_notes(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteE
         )
         for log in (*measured.fit, *measured.held_out)
         for note in log.notes
-        if note.kind == KIND
+        if note.kind == FAULT
     ]
     return [*shown, *alone]
 
@@ -49,40 +47,23 @@ def fault_notes(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteE
 def faults_markdown(notes: Sequence[NoteEntry]) -> str:
     """The faults among notes, a line for each signal, those that are allowed for last; empty where there is none."""
     told: dict[bool, list[str]] = {False: [], True: []}
-    for first, *more in _by_signal(notes):
+    for first, *more in faults_by_signal(notes):
         others = ", ".join(str(note.log) for note in more)
         line = f"- `{first.log}`: {first.message}{f' The same in {others}.' if others else ''}"
-        told[_allowed_for(first, notes)].append(line)
+        told[allowed_for(first, notes)].append(line)
     parts = [f"{heading}\n\n" + "\n".join(told[mended]) for mended, heading in _HEADINGS.items() if told[mended]]
     return "\n\n".join(parts)
 
 
 def lines_markdown(notes: Sequence[NoteEntry]) -> str:
     """Which commands may have gone on between their samples, where no fault says so; empty where there is none."""
-    faulty = {note.signal for note in notes if note.kind == KIND}
+    faulty = {note.signal for note in notes if note.kind == FAULT}
     told = {note.signal: note.message for note in notes if note.kind in BETWEEN and note.signal not in faulty}
     if not told:
         return ""
     (_, message), *others = told.items()
     same = f" The same of {', '.join(str(name) for name, _ in others)}." if others else ""
     return f"How commands are read:\n\n- {message}{same}"
-
-
-def faults_reminder(notes: Sequence[NoteEntry]) -> str:
-    """What is to be mended, in a sentence, where it was told in full before; empty where nothing is."""
-    open_ones = [note for note in notes if note.kind == KIND and not _allowed_for(note, notes)]
-    return f"**The logs seem faulty, as told above:** {faults_line(open_ones)}." if open_ones else ""
-
-
-def faults_line(notes: Sequence[NoteEntry]) -> str:
-    """The same in a line: what is wrong with which signal of how many logs."""
-    told = []
-    for first, *more in _by_signal(notes):
-        allowed = ", allowed for" if _allowed_for(first, notes) else ""
-        told.append(
-            " ".join(filter(None, (first.fault, first.signal))) + f" ({counted(1 + len(more), 'log')}{allowed})"
-        )
-    return ", ".join(told)
 
 
 def known_faults(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteEntry]:
@@ -95,17 +76,3 @@ def known_faults(faults: Sequence[Fault], measured: MeasurementSet) -> list[Note
         if note.kind in _READINGS
     ]
     return [*fault_notes(faults, measured), *mends]
-
-
-def _by_signal(notes: Sequence[NoteEntry]) -> list[list[NoteEntry]]:
-    found: dict[tuple[str | None, str | None], list[NoteEntry]] = {}
-    for note in notes:
-        if note.kind == KIND:
-            found.setdefault((note.signal, note.fault), []).append(note)
-    return [*found.values()]
-
-
-def _allowed_for(fault: NoteEntry, notes: Sequence[NoteEntry]) -> bool:
-    """Whether the signal is left out, or its commands are read as they were sent; a log's copy counts all the same."""
-    kinds = {note.kind for note in notes if note.signal == fault.signal}
-    return (DERIVED in kinds and fault.fault != "copied") or (UNLOGGED in kinds and fault.fault == "decimated")

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dr_lab.comparison.export import write_context, write_model, write_rollout
-from dr_lab.comparison.fault_notes import KIND, faults_reminder
 from dr_lab.comparison.notes import DISAGREEING
 from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.plain_file import file_note
@@ -22,6 +21,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.review import write_review
 from dr_lab.reports.calibration import given_values
+from dr_lab.reports.faults import FAULT
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import TRADE, NoteEntry
 from dr_lab.reports.ladder import failing, kept_effects
@@ -63,8 +63,7 @@ def answer(report: GapReport, run: Run) -> None:
         run: where it is printed.
     """
     known = finite(report)
-    faults = faults_reminder(known.notes)  # they were told in full before anything was fitted
-    parts = [faults, verdict_markdown(known), ladder_table(known), _parameters(known), _candidates(known)]
+    parts = [verdict_markdown(known), ladder_table(known), _parameters(known), _candidates(known)]
     run.screen.show(_paragraphs(parts))
 
 
@@ -140,7 +139,7 @@ def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> 
 
 
 def _importance(note: NoteEntry, kept: Container[str]) -> tuple[bool, bool, bool, bool]:
-    return (note.kind != KIND, note.kind != DISAGREEING, not _concerns(note, kept), note.log is not None)
+    return (note.kind != FAULT, note.kind != DISAGREEING, not _concerns(note, kept), note.log is not None)
 
 
 def _concerns(note: NoteEntry, kept: Container[str]) -> bool:
@@ -177,7 +176,7 @@ def rest(report: GapReport) -> str:
     """Where the model fails, and notes on the answer, for the screen; those on rejected candidates are in the file."""
     where = [f"- {r.signal}, {r.region}: {percent(r.share or 0.0)} of its squared error" for r in report.failing.where]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
-    notes = [note for note in report.notes if note.kind not in (KIND, TRADE)]  # those were shown before
+    notes = [note for note in report.notes if note.kind not in (FAULT, TRADE)]  # those were shown before
     kept = kept_effects(report)
     told = [note for note in notes if _concerns(note, kept)][:_NOTED]
     left = f"- … and {len(notes) - len(told)} more in report.md" if len(notes) > len(told) else ""

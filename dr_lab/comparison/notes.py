@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from dr_lab.comparison.fault_notes import KIND, fault_notes
+from dr_lab.comparison.fault_notes import fault_notes
 from dr_lab.comparison.misread_notes import misread_notes
 from dr_lab.comparison.silent_notes import silent_notes, unchecked_notes
 from dr_lab.comparison.study import Study
@@ -21,6 +21,7 @@ from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
+from dr_lab.reports.faults import FAULT
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.quantity import in_unit, number, shortened
 from dr_lab.trajectory import MeasurementSet, Note
@@ -264,7 +265,7 @@ def _short_note(study: Study) -> list[NoteEntry]:
 def _data_notes(measured: MeasurementSet) -> list[NoteEntry]:
     """What the data contract found, log by log; what it says of every log in the same words, once."""
     logs = (*measured.fit, *measured.held_out)
-    every = [(log, note) for log in logs for note in log.notes if note.kind != KIND]
+    every = [(log, note) for log in logs for note in log.notes if note.kind != FAULT]
     times = Counter(note for _, note in every)
     common = [note for note in times if len(logs) > 1 and all(note in log.notes for log in logs)]
     return [

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import reduce
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
-from dr_lab.comparison.fault_notes import BETWEEN, UNDECIDED, UNLOGGED
+from dr_lab.comparison.fault_notes import BETWEEN, UNDECIDED
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
@@ -19,6 +19,7 @@ from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.effects.catalogue import candidates
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
+from dr_lab.reports.faults import UNLOGGED
 from dr_lab.trajectory import Log, MeasurementSet, Note
 
 

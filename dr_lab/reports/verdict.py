@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from dr_lab.reports.calibration import calibration_told
+from dr_lab.reports.faults import faults_told
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import SHORT_SHIFT, TOGETHER
 from dr_lab.reports.ladder import scored, status, steps
@@ -15,11 +16,11 @@ _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 
 
 def verdict_markdown(report: GapReport) -> str:
-    """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
+    """What was found, how far the error fell, what remains; first that logs are faulty or the model worse, if so."""
     worse = _worse(report)
     calibrated = not report.verdict and not report.added
     answer = (worse, _found(report), *_notes(report, TOGETHER), _share(report), _fall(report), _confirmed(report))
-    told = [worse] if worse and calibrated else answer
+    told = (faults_told(report.notes), *([worse] if worse and calibrated else answer))
     left = (_remaining(report), *_notes(report, SHORT_SHIFT), _learned(report))
     return " ".join(part for part in (*told, *left) if part)
 

@@ -37,14 +37,20 @@ def test_intervals_that_are_not_to_be_trusted_are_printed(
     assert DOUBT in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_faults_are_not_told_in_full_again(close_report: dict[str, Any], look: Look, tmp_path: Path) -> None:
+def test_faults_come_first_and_are_not_told_in_full_again(
+    close_report: dict[str, Any], look: Look, tmp_path: Path
+) -> None:
     close_report["notes"].append(
         {"kind": "fault", "fault": "sign", "log": "swing_05", "signal": "motor", "message": "Turned."}
     )
     shown: list[str] = []
     answer(report(close_report), Run(tmp_path, look, cast(Any, SimpleNamespace(show=shown.append))))
-    assert "The logs seem faulty, as told above:** sign motor (1 log)." in shown[0]
+    told = "**The logs seem faulty:** sign motor (1 log). Mend this first: what follows may come of it. **The missing"
+    assert shown[0].startswith(told)
     assert "Turned." not in shown[0]
+    page = tmp_path / "report.html"
+    write_gap_page(page, report(close_report), [], look)
+    assert "Mend this first" in page.read_text(encoding="utf-8").split("The missing effect is named")[0]
 
 
 def searched(effect: str) -> NoteEntry:

@@ -1,12 +1,6 @@
-from dr_lab.comparison.fault_notes import (
-    fault_notes,
-    faults_line,
-    faults_markdown,
-    faults_reminder,
-    known_faults,
-    lines_markdown,
-)
+from dr_lab.comparison.fault_notes import fault_notes, faults_markdown, known_faults, lines_markdown
 from dr_lab.diagnosis.faults.data_faults import Fault
+from dr_lab.reports.faults import faults_line, faults_told
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import Log, MeasurementSet, Note
 
@@ -55,15 +49,15 @@ def test_commands_that_stay_as_they_were_logged_are_to_be_mended() -> None:
     assert faults_line(notes) == "decimated motor (1 log)"
 
 
-def test_what_was_told_in_full_is_recalled_in_a_sentence() -> None:
+def test_what_is_to_be_mended_comes_first_in_a_sentence() -> None:
     faults = [Fault("sign", log, "motor", 0.1, 4.9, "motor: turned.", "Write sign: -1.") for log in "ab"]
     logs = tuple(Log(name, {}, {}) for name in "ab")
     notes = known_faults(faults, MeasurementSet("m", logs, (), {}, {}))
-    assert faults_reminder(notes) == "**The logs seem faulty, as told above:** sign motor (2 logs)."
-    assert faults_reminder([]) == ""
+    assert faults_told(notes).startswith("**The logs seem faulty:** sign motor (2 logs). Mend this first")
+    assert faults_told([]) == ""
     derived = (Note("derived", "motor", "motor: it is left out."),)
     allowed = MeasurementSet("m", tuple(Log(name, {}, {}, derived) for name in "ab"), (), {}, {})
-    assert faults_reminder(known_faults(faults, allowed)) == ""
+    assert faults_told(known_faults(faults, allowed)) == ""
 
 
 def test_commands_read_as_lines_without_a_fault_are_told_once() -> None:
