@@ -6,7 +6,7 @@ from functools import reduce
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import BETWEEN, UNDECIDED
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, sizeable, supported
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
@@ -31,7 +31,8 @@ def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequen
     with them held and with them straight, both times with what models lack most often (`ComparisonSettings.usual`):
     without it, half a sample of delay may make up for a rotor's inertia or for friction. There are three answers:
 
-    1. Held ones leave more of the logs that score, beyond doubt. Then they are read as straight; what coarse ones
+    1. Held ones leave more of the logs that score, beyond doubt or, where a fault says so too, beyond the threshold:
+       what commands did beside the line scatters what it gains. Then they are read as straight; what coarse ones
        (`FaultSettings.is_coarse`) did beside the line is unknown, and fitted in every window.
     2. Straight ones leave more beyond doubt. Then they held.
     3. Neither. They are read as held, but no shift in time by less than a sample is told (`longest_wait`).
@@ -43,7 +44,8 @@ def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequen
     """
     model, measured, settings = comparison.model, comparison.measurements, comparison.settings
     logs = (*measured.fit, *measured.held_out)
-    suspected = sorted({fault.signal for fault in faults if fault.kind == "decimated"}.union(straight))
+    faulty = {fault.signal for fault in faults if fault.kind == "decimated"}
+    suspected = sorted(faulty.union(straight))
     names = [n for n in suspected if all(log.commands[n].between == "" for log in logs if n in log.commands)]
     if not names:
         return comparison
@@ -51,7 +53,8 @@ def with_lines(comparison: Comparison, faults: Sequence[Fault], straight: Sequen
     held, line = (_left(fuller, _read(measured, dict.fromkeys(names, way)), settings) for way in ("hold", "line"))
     if _better(held, line, settings.evidence):
         return comparison
-    if not _better(line, held, settings.evidence):
+    seen = not faulty.isdisjoint(names) and _likelier(line, held, settings.evidence)
+    if not (seen or _better(line, held, settings.evidence)):
         return _noted(comparison, UNDECIDED, {name: _undecided(name, measured, held, line) for name in names})
     sent = [(name, log.commands[name]) for log in logs for name in names if name in log.commands]
     coarse = {name for name, signal in sent if settings.faults.is_coarse(signal.wait)}
@@ -102,6 +105,11 @@ def _left(model: Model, measured: MeasurementSet, settings: ComparisonSettings) 
 def _better(one: Score, other: Score, evidence: EvidenceSettings) -> bool:
     """Whether one leaves less than another beyond doubt."""
     return supported(paired_gain(other, one, evidence), 0, evidence)
+
+
+def _likelier(one: Score, other: Score, evidence: EvidenceSettings) -> bool:
+    """Whether one leaves less than another by the evidence that counts, however it scatters."""
+    return sizeable(paired_gain(other, one, evidence), 0, evidence)
 
 
 def _told(name: str, measured: MeasurementSet, held: Score, line: Score, coarse: bool) -> str:

@@ -24,9 +24,11 @@ class Armature(JointEffect, SpecEdit):
 
     Attributes:
         factor: largest J, in units of the inertia that the joint has in the model's initial position.
+        start: J of the fit that starts away from absent, share of its upper bound.
     """
 
     factor: float
+    start: float
 
     name: ClassVar[str] = "armature"
     family: ClassVar[str] = "inertia"
@@ -39,6 +41,11 @@ class Armature(JointEffect, SpecEdit):
         del scales
         high = self.factor * float(model.dof_M0[model.joint(site).dofadr[0]])
         return (Parameter("inertia", "kg" if slides(model, site) else "kg·m²", 0.0, 0.0, high),)
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """An inertia from which a linear step sees rotors that are far larger than what the model has."""
+        (inertia,) = parameters
+        return ({"inertia": self.start * inertia.high},)
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Add the inertia to the joint's armature."""

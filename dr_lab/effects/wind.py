@@ -33,11 +33,13 @@ class Wind(Effect, SpecPreparation, SpecEdit):
 
     Attributes:
         strongest: how far either speed may lie from the model's own [m/s].
+        start: speed of the fits that start away from absent, share of `strongest`.
         sensitive: a direction counts as felt above this share of the force of an equal wind in the worst direction.
         poses: number of states in which that is looked for.
     """
 
     strongest: float
+    start: float
     sensitive: float
     poses: int
 
@@ -62,6 +64,11 @@ class Wind(Effect, SpecPreparation, SpecEdit):
             for axis, own in zip(_AXES, model.opt.wind, strict=True)
             if axis in felt
         )
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """A wind either way along each axis: its drag grows with its square, of which little shows in still air."""
+        away = self.start * self.strongest
+        return tuple({p.name: p.nominal + sign * away} for p in parameters for sign in (1.0, -1.0))
 
     def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
         """Note the file's own wind."""

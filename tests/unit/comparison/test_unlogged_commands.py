@@ -54,6 +54,11 @@ def weak(waves: Array) -> Array:
     return 1e-4 * waves
 
 
+def restless(waves: Array) -> Array:
+    """As if most of what is sent changed three times between two logged samples."""
+    return waves + 2.0 * np.sin(112.0 * clock(1000, 0.004))
+
+
 @cache
 def comparison(sent: Callable[[Array], Array] = as_sent, between: str = "") -> Comparison:
     one, other = (log(seed, sent, between) for seed in (1, 2))
@@ -86,6 +91,15 @@ def test_the_rarest_samples_say_which_shift_is_not_told() -> None:
     (note,) = with_lines(replace(rare, measurements=mixed), FAULTS, ()).measurements.fit[0].notes
     assert "40 ms apart" in note.message
     assert "below 40 ms" in note.message
+
+
+def test_lines_in_doubt_are_taken_where_a_fault_says_so_too() -> None:
+    """Lines leave less, but what was sent beside them scatters that."""
+    asked = comparison(restless)
+    evidence = replace(asked.settings.evidence, confidence=1.0 - 1e-9)
+    doubtful = replace(asked, settings=replace(asked.settings, evidence=evidence))
+    assert between(with_lines(doubtful, FAULTS, ())) == ["unknown", "unknown"]
+    assert between(with_lines(doubtful, (), ["drive"])) == ["", ""]
 
 
 def test_commands_that_held_stay_held_whatever_is_suspected() -> None:
