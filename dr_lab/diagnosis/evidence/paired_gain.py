@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
-from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, channel_at_floor
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, beyond_white, channel_at_floor
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.evidence.typical import deviance, gap_closed, logs, typical
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import Indices, blocks
 from dr_lab.trajectory import Array
 
-_LEAST = 1e-9  # degrees of freedom; a window without samples of a channel has none
+_LEAST = 1e-9  # χ²
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block; below `settings.least_compared` blocks they are not known. Errors of a model may also be alike all
     over a log. So the bound of the evidence is the lower one of two: that of the blocks, and, of
-    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them. Below it lies what the
+    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them. Where the better model
+    alone leaves noise, and such as instruments make, it has no such errors: the blocks decide. Below it lies what the
     better model's further parameters may cost as they happen to be fitted (`_loss`).
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
@@ -96,7 +98,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         low=low,
         high=float(np.minimum(high, 1.0)),
         error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
-        gap=_gap(theirs, ours, count, gaps.get(place, 1.0)),
+        gap=gap_closed(theirs, ours, count, gaps.get(place, 1.0)),
         channels=gaps,
         place=place,
         total=float(every.rows[3].sum()),
@@ -151,9 +153,13 @@ def _bounds(every: _Every, drawn: Array, scores: tuple[Score, Score], settings: 
     """The bounds; −∞ where the better model lets windows diverge that the worse one simulates."""
     if _diverges(*scores):
         return _Bounds(-np.inf, -np.inf, -np.inf)
-    blocks, total = _lowest(every, drawn, 1 - settings.confidence, scores, settings)
-    _, trial = _lowest(every, drawn, 1 - settings.trial_confidence, scores, settings)
-    return _Bounds(total, trial, blocks)
+    (blocks, total), trials = (
+        _lowest(every, drawn, 1 - c, scores, settings) for c in (settings.confidence, settings.trial_confidence)
+    )
+    worse, better = scores
+    if alone_at_floor(better, worse, settings) and beyond_white(better, settings):
+        return _Bounds(blocks, trials[0], blocks)
+    return _Bounds(total, trials[1], blocks)
 
 
 def _lowest(
@@ -165,9 +171,9 @@ def _lowest(
     """
     total, loss = float(every.rows[3].sum()), _loss(*scores, tail)
     blocks = interval(total, drawn, block_count(every.log, settings), tail, settings)[0]
-    logs = least_between_logs(every.rows[3], every.log, tail, settings)
+    clusters = least_between_logs(every.rows[3], every.log, tail, settings)
     # Too few blocks leave no bound, whatever the logs say: Python's min would drop a NaN in second place.
-    within, both = (total - float(np.hypot(total - low, loss)) for low in (blocks, np.minimum(blocks, logs)))
+    within, both = (total - float(np.hypot(total - low, loss)) for low in (blocks, np.minimum(blocks, clusters)))
     return within, both
 
 
@@ -190,7 +196,7 @@ def _loss(worse: Score, better: Score, tail: float) -> float:
 
 def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
     n = worse.window_count[both]
-    return np.stack([_logs(worse.window_sum[both], n), _logs(better.window_sum[both], n), n, evidence])
+    return np.stack([logs(worse.window_sum[both], n), logs(better.window_sum[both], n), n, evidence])
 
 
 def _removed(sums: Array) -> Array:
@@ -201,7 +207,7 @@ def _removed(sums: Array) -> Array:
 
 def _typical_of(sums: Array) -> Array:
     """χ² of both models in a typical window, from sums of rows of `_Every`."""
-    return np.expm1(sums[:2] / np.maximum(sums[2], _LEAST))
+    return typical(sums[:2], sums[2])
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:
@@ -225,29 +231,7 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     """
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
-    return (deviance(theirs, count) - deviance(ours, count)) / least.colour, _gap(theirs, ours, count, np.nan)
-
-
-def _gap(worse: Array, better: Array, count: Array, none: float) -> float:
-    """Share of the gap of a typical window that closes, from the sums of its squares; `none` where there is no gap."""
-    before, after = _typical(worse, count), _typical(better, count)
-    return min((before - after) / (before - 1), 1.0) if before > 1 else none
-
-
-def deviance(sums: Array, count: Array) -> Array:
-    """−2 ln L of each window, but for a constant, at the likeliest variance of at least the noise's."""
-    level = sums / np.maximum(count, _LEAST)
-    return count * np.where(level > 1, 1 + np.log(np.maximum(level, 1)), level)
-
-
-def _typical(sums: Array, count: Array) -> float:
-    """χ² of a typical window."""
-    return float(np.expm1(_logs(sums, count).sum() / max(count.sum(), _LEAST)))
-
-
-def _logs(sums: Array, count: Array) -> Array:
-    """N ln(1 + χ²) of each window."""
-    return count * np.log1p(sums / np.maximum(count, _LEAST))
+    return (deviance(theirs, count) - deviance(ours, count)) / least.colour, gap_closed(theirs, ours, count, np.nan)
 
 
 def largest_gap(gain: Gain) -> float:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.paired_gain import deviance
+from dr_lab.diagnosis.evidence.typical import deviance
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.identifiability import Identifiability, identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter

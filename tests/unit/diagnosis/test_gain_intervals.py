@@ -14,7 +14,7 @@ from dr_lab.diagnosis.evidence.paired_gain import (
     supported_within_logs,
     worth_a_trial,
 )
-from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.errors import ConfigError
 
 
@@ -154,3 +154,22 @@ def test_evidence_alone_does_not_name_what_a_typical_window_may_lose() -> None:
     assert supported(gain, 1, SETTINGS)
     assert supported(replace(gain, low=np.nan), 1, SETTINGS)
     assert not supported(replace(gain, low=-0.14), 1, SETTINGS)
+
+
+def test_logs_that_gain_unequally_are_asked_of_unless_the_instruments_noise_alone_is_left() -> None:
+    """Six logs, of which the two in which the machine moves fast gain ten times as much: no error, but the cause."""
+    count, log = np.full(60, 20.0), np.repeat(np.arange(6), 10)
+    closed = np.where(log < 2, 12.0, 1.2) + 0.2 * np.random.default_rng(0).standard_normal(60)
+
+    def of(levels: np.ndarray, *, instrumental: bool) -> Score:
+        channel = ChannelScore(levels * count, count, 1.0, instrumental=instrumental)
+        return Score(levels.mean(), {}, {}, {}, levels * count, count, log, 0, {"a": channel})
+
+    base, left = of(14.0 + closed, instrumental=False), np.full(60, 14.0)
+    force, noise = (paired_gain(base, of(left, instrumental=own), SETTINGS) for own in (False, True))
+    assert np.isclose(force.total, noise.total)
+    assert force.total_low < 0 < force.blocks_low == noise.total_low
+    assert not supported(force, 1, SETTINGS)
+    assert supported(noise, 1, SETTINGS)
+    both = paired_gain(of(14.0 + closed, instrumental=True), of(left, instrumental=True), SETTINGS)
+    assert not supported(both, 1, SETTINGS)  # the other model may have a force's errors all the same
