@@ -81,6 +81,7 @@ class Effect(ABC):
         confused_with: names of effects that given data may not separate from it.
         holds: its special cases: effects that it acts as, at the same site, for some values of its parameters, and how.
         shapes: short names of the parameters that act only while another one is away from absent.
+        outlying: those of the shapes that may lie far from where the logs show the machine, as a spring's rest position.
         sharpened: those of the shapes whose lower bound, above 0, may be halved: towards 0 the effect only becomes one
             of its special cases.
         divisors: short names of the parameters that the law divides by, so that 0 and less make none.
@@ -100,6 +101,7 @@ class Effect(ABC):
     confused_with: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[Mapping[str, SpecialCase]] = {}
     shapes: ClassVar[tuple[str, ...]] = ()
+    outlying: ClassVar[tuple[str, ...]] = ()
     sharpened: ClassVar[tuple[str, ...]] = ()
     divisors: ClassVar[tuple[str, ...]] = ()
     limited: ClassVar[tuple[str, ...]] = ()
@@ -141,7 +143,8 @@ class Effect(ABC):
             margin: s of motion on either side of a window.
         """
         del kept, margin
-        return 0.0 if name in (*self.shapes, *self.limited) else inf
+        fixed = {*self.shapes, *self.limited} - {*self.outlying}
+        return 0.0 if name in fixed else inf
 
     def within(self, parameters: tuple[Parameter, ...]) -> "Effect":
         """The effect for parameters with other bounds, by short names, where it makes room for what they allow."""

@@ -47,6 +47,7 @@ class HardeningSpring(JointEffect, SpecEdit):
     confused_with: ClassVar[tuple[str, ...]] = ("spring", "end_stop", "cogging")
     argument: ClassVar[str] = "position"
     shapes: ClassVar[tuple[str, ...]] = ("reference",)
+    outlying: ClassVar[tuple[str, ...]] = ("reference",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The cubic coefficient and the rest position."""

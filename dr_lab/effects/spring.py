@@ -51,6 +51,7 @@ class Spring(JointEffect, SpecEdit):
     confused_with: ClassVar[tuple[str, ...]] = ("constant_offset", "base_tilt", "payload")
     argument: ClassVar[str] = "position"
     shapes: ClassVar[tuple[str, ...]] = ("reference",)
+    outlying: ClassVar[tuple[str, ...]] = ("reference",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The stiffness and the rest position."""
