@@ -81,7 +81,7 @@ class Effect(ABC):
         confused_with: names of effects that given data may not separate from it.
         holds: its special cases: effects that it acts as, at the same site, for some values of its parameters, and how.
         shapes: short names of the parameters that act only while another one is away from absent.
-        outlying: those of the shapes that may lie far from where the logs show the machine, as a spring's rest position.
+        outlying: those of the shapes that may lie beyond where the machine moves, as a spring's rest position.
         sharpened: those of the shapes whose lower bound, above 0, may be halved: towards 0 the effect only becomes one
             of its special cases.
         divisors: short names of the parameters that the law divides by, so that 0 and less make none.

@@ -12,6 +12,7 @@ from dr_lab.reports.quantity import number, percent
 
 _NONE = "**No missing effect:** the logs support no effect beyond the plain model."
 _SHORT = 4  # models that a sentence lists: as given, calibrated, and with two effects
+_KNOWN = 1.1  # times; χ² of noise whose standard deviation is known within 5 %
 _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 
 
@@ -64,14 +65,14 @@ def _learned(report: GapReport) -> str:
 def _worse(report: GapReport) -> str:
     """That the last model without a learned force predicts worse than the one given.
 
-    By χ² as printed, beyond the noise, in as many windows. What a learned force does is told beside it.
+    By more χ² than the noise is known to, in as many windows. What a learned force does is told beside it.
     """
     first, last = steps(report)[0].held_out, report.catalogued[-1].held_out
     chi2 = [math.inf if held_out.chi2 is None else held_out.chi2 for held_out in (first, last)]
     shown = [number(value) for value in chi2]
     at_floor = report.remaining.status == "at_floor"
     fewer = last.infeasible_windows < first.infeasible_windows
-    if chi2[1] <= chi2[0] or shown[0] == shown[1] or at_floor or fewer:
+    if chi2[1] <= _KNOWN * chi2[0] or at_floor or fewer:
         return ""
     name = f"The model with {_listed(report.added)}" if report.added else "The calibrated model"
     return (

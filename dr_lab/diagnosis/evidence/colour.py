@@ -26,7 +26,8 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
        moves a velocity by its integral and a position by its double integral. The mean frequency of the residuals'
        power is compared with that of integrated white noise in as many windows of the same length, less a polynomial
        of degree 3: more than what fitted starts take out of a window. White noise lies beside that reference in the
-       same proportion as beside the residuals, for over few windows its scatter looks rough, too.
+       same proportion as beside the residuals, for over few windows its scatter looks rough, too. It is as large as the
+       upper half of the frequencies shows, at most as it is known: where noise is correlated, less of it is white.
     2. They are as large in every window as chance allows, whatever the machine does: ln χ² of a window, n samples of a
        stationary Gaussian process, has the variance ψ'(n_eff/2).
 
@@ -43,7 +44,8 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     if excess <= 0 or not _homogeneous(kept):
         return False
     power = (np.abs(_transform(kept)) ** 2).mean(0)
-    return bool(_mean_frequency(power, samples) > _roughest(windows, samples, integrals, excess))
+    white = float(_white(power, samples))
+    return bool(_mean_frequency(power, samples) > _roughest(windows, samples, integrals, excess + 1.0 - white, white))
 
 
 def _homogeneous(residual: Array) -> bool:
@@ -53,10 +55,10 @@ def _homogeneous(residual: Array) -> bool:
     return bool(scatter * (windows - 1) <= chi2.isf(_CHANCE, windows - 1))
 
 
-def _roughest(windows: int, samples: int, integrals: int, excess: float) -> float:
-    """Mean frequency that integrated noise of a variance, beside white noise of 1, exceeds once in a thousand times."""
-    force, beside, white = _references(windows, samples, integrals)
-    found = _mean_frequency(excess * force + np.sqrt(excess) * beside + white, samples)
+def _roughest(windows: int, samples: int, integrals: int, excess: float, white: float) -> float:
+    """Mean frequency that integrated noise of a variance, beside white noise, exceeds once in a thousand times."""
+    force, beside, alone = _references(windows, samples, integrals)
+    found = _mean_frequency(excess * force + np.sqrt(excess * white) * beside + white * alone, samples)
     return float(np.mean(found) + 3.1 * np.std(found))  # of a mean over windows, so that it is Gaussian
 
 
@@ -84,15 +86,25 @@ def _transform(signal: Array) -> NDArray[np.complex128]:
 
 
 def _mean_frequency(power: Array, samples: int) -> Array:
-    """Mean frequency in cycles a sample of the power beyond that of white noise of variance 1; 0 where none is.
+    """Mean frequency in cycles a sample of the power beyond that of white noise; 0 where none is.
 
     Args:
         power: mean over windows of the tapered spectra, shape (..., f).
         samples: of a window.
     """
-    beyond = np.maximum(power - (np.hanning(samples) ** 2).sum(), 0.0)
+    beyond = power - _white(power, samples)[..., None] * _flat(samples)
     total = beyond.sum(-1)
-    return beyond @ np.fft.rfftfreq(samples) / np.where(total > 0, total, 1.0)
+    return beyond @ np.fft.rfftfreq(samples) / np.where(total > 0, total, np.inf)
+
+
+def _white(power: Array, samples: int) -> Array:
+    """Variance of the white noise by the upper half of the frequencies, 1 at most."""
+    return np.minimum(power[..., power.shape[-1] // 2 :].mean(-1) / _flat(samples), 1.0)
+
+
+def _flat(samples: int) -> float:
+    """Power of white noise of variance 1 at each frequency."""
+    return float((np.hanning(samples) ** 2).sum())
 
 
 def _detrended(residual: Array) -> Array:
