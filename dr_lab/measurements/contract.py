@@ -35,6 +35,7 @@ class DataContract:
         dithered: above this factor noise makes rounding random at any speed, and slow parts tell of the noise, too.
         derived: a velocity that is a filter of the logged position to within this share of the position's noise behind
             that filter tells nothing beside it and is left out; 0 keeps all.
+        jitter: times as noisy as on even times that a channel is by its stamps, from which on these are not believed.
         frozen: s, equal samples over a longer time are suspected to be frozen …
         frozen_rest: … if no others outlast a share of it; the factor by which it is longer than those.
         frozen_stop: usual changes of a sample in the braking distance that a motion leaves out …
@@ -72,6 +73,7 @@ class DataContract:
     staircase: float
     dithered: float
     derived: float
+    jitter: float
     frozen: float
     frozen_rest: float
     frozen_stop: float

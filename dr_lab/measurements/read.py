@@ -8,6 +8,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.measurements.cleaning import longest_wait
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.derived_velocity import without_derived
+from dr_lab.measurements.even_times import on_even_times
 from dr_lab.measurements.faults.find import mark_faults
 from dr_lab.measurements.log import clean
 from dr_lab.measurements.noise import estimate_noise
@@ -66,7 +67,8 @@ def read(
     parts = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
     every = [replace(log, loaded=part.log in carrying) for log, part in zip(parts, (*fitted, *scored), strict=True)]
     wraps = {channel.name: channel.wrap for channel in measured if channel.wrap}
-    fit_logs, held_out_logs = mark_faults(every[: len(fitted)], every[len(fitted) :], contract, wraps)
+    even = on_even_times(every, contract)
+    fit_logs, held_out_logs = mark_faults(even[: len(fitted)], even[len(fitted) :], contract, wraps)
     noise, waits = _pooled(measured, sent, fit_logs + held_out_logs, contract)
     return _without_derived(MeasurementSet(name, fit_logs, held_out_logs, noise, waits), contract)
 
