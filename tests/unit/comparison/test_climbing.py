@@ -32,6 +32,7 @@ class Answer:
     chi2: float = 100.0
     enough: bool = True
     channels: tuple[float, ...] = ()
+    instrumental: bool = False
 
     @property
     def confirmation(self) -> SimpleNamespace | None:
@@ -44,7 +45,7 @@ class Answer:
 
     @property
     def base(self) -> SimpleNamespace:
-        return fitted(self.chi2)
+        return fitted(self.chi2, instrumental=self.instrumental)
 
     def verdict(self, settings: EvidenceSettings) -> str:
         del settings
@@ -76,9 +77,10 @@ class Windowed:
         return replace(self, settings=settings)
 
 
-def fitted(chi2: float) -> SimpleNamespace:
+def fitted(chi2: float, *, instrumental: bool = False) -> SimpleNamespace:
     """A model that leaves so much of one channel."""
-    return SimpleNamespace(held_out=replace(score([chi2] * 8), channels={"hinge.position": channel(chi2)}))
+    left = replace(channel(chi2), instrumental=instrumental)
+    return SimpleNamespace(held_out=replace(score([chi2] * 8), channels={"hinge.position": left}))
 
 
 DIVERGES = float("inf")
@@ -102,6 +104,7 @@ DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
         ([NOTHING, NOTHING, NAMED], 9.0, 2.7, "named"),
         ([NOTHING, NOTHING, NOTHING], 9.0, 0.3, "unexplained"),
         ([NOTHING, Answer("none"), NOTHING], 9.0, 0.3, "unexplained"),  # a gap is not gone in longer windows
+        ([NOTHING, NOTHING, Answer("none", chi2=2.0, instrumental=True)], 9.0, 2.7, "none"),  # but was coloured noise
         ([NOTHING, NAMED], 0.5, 0.3, "unexplained"),  # the logs have no room for them
         ([DOUBTFUL, NAMED], 9.0, 0.9, "named"),
         ([DOUBTFUL, NOTHING], 9.0, 0.3, "equivalent"),  # 2.7 s are not tried

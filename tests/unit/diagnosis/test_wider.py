@@ -64,6 +64,13 @@ def test_physics_is_no_bound_that_moves(name: str, site: str, values: list[float
     assert widened(one, np.array(at), windows()) is None
 
 
+@pytest.mark.parametrize("name", ["spring", "hardening_spring"])
+def test_a_spring_may_rest_beyond_where_the_machine_moves(name: str) -> None:
+    one = placed(pendulum(), name, "hinge")
+    _, (low, high) = bounds(one)
+    assert bounds(widened(one, np.array([0.01, high]), windows()))[1] == (low, 2 * high)
+
+
 def test_a_delay_grows_as_far_as_commands_are_kept() -> None:
     one: PlacedEffect | None = placed(pendulum(), "actuator_delay", "drive")
     first, last = bounds(one)[0][1], 0.0
