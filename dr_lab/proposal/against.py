@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from dr_lab.proposal.drives import Drive, factors
+from dr_lab.proposal.command_units import factors
+from dr_lab.proposal.drives import Drive
 from dr_lab.proposal.search import Readings
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.settled import Rests

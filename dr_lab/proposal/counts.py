@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.proposal.drives import UNITS, explains
+from dr_lab.proposal.command_units import UNITS
+from dr_lab.proposal.drives import explains
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.search import Options, Readings, most_near
 from dr_lab.proposal.searched import Searched

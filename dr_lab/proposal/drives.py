@@ -9,24 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.measurements.units import unit as unit_of
-from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.by_name import matches, said_of
+from dr_lab.proposal.command_units import unit_by_gain
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
 from dr_lab.proposal.trial import Given, Outcome
 from dr_lab.proposal.words import electric_unit
 from dr_lab.trajectory import Array
 
-# Sizes of the units that are mistaken for one another, by the SI unit of a command.
-UNITS: dict[str, dict[str, float]] = {
-    "N·m": {"N·m": 1.0, "mN·m": 1e-3, "kgf·cm": 0.0980665, "kgf·m": 9.80665},
-    "N": {"N": 1.0, "mN": 1e-3, "kgf": 9.80665, "kN": 1e3},
-    "V": {"V": 1.0, "mV": 1e-3},
-    "rad": {"rad": 1.0, "deg": math.pi / 180},
-    "m": {"m": 1.0, "mm": 1e-3},
-    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": 2 * math.pi / 60},
-    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
-    "1": {"1": 1.0, "percent": 1e-2},
-}
 BY_NAME = "sign and unit are by its name alone."  # what is unsure of a command that the motion hardly shows
 _POSITIONS = ("rad", "m")  # SI units of controls that ask for a position
 _VELOCITIES = ("rad/s", "m/s")  # units of controls that ask for a velocity
@@ -137,7 +127,7 @@ def choose_commands(
         outcome: the chosen reading of the positions, tried.
         settings: which share a command must explain.
     """
-    named = matches([drive.name if not drive.added else drive.joint for drive in drives], series)
+    named, _ = _named(drives, series)
     offers = []
     for k, drive in enumerate(drives):
         mine = {*named[k]} & {*usable}
@@ -158,11 +148,14 @@ def choose_commands(
 
 
 def commands_by_name(drives: Sequence[Drive], series: Sequence[Series]) -> tuple[Command, ...]:
-    """Commands where only names tell: of actuators that there are, and of motors that are to be added."""
+    """Commands where only names tell: of actuators that there are, and of motors that are to be added.
+
+    Where names say what some command, those that say nothing command none.
+    """
     found = []
-    named = matches([drive.name if not drive.added else drive.joint for drive in drives], series)
+    named, said = _named(drives, series)
     for drive, places in zip(drives, named, strict=True):
-        mine = [series[k] for k in places]
+        mine = [series[k] for k in places if k in said or not said]
         fitting = [each for each in mine if (each.words.kind == "drive" if drive.added else _takes(drive, each))]
         measured = [each for each in fitting if not each.words.asked] or fitting
         if len(measured) == 1:
@@ -187,8 +180,18 @@ def _fits(drive: Drive, given: Given, series: Sequence[Series]) -> bool:
 
 
 def _takes(drive: Drive, series: Series) -> bool:
-    """Whether a series may command an actuator: a velocity that is asked for moves velocity servos alone."""
-    return drive.rate or series.words.kind != "asked velocity"
+    """Whether a series may command an actuator.
+
+    A velocity that is asked for moves velocity servos alone, and a force, as of a load cell, drives no hinge.
+    """
+    force = series.words.unit and unit_of(series.words.unit).name == "N"
+    return (drive.rate or series.words.kind != "asked velocity") and not (force and drive.unit == "N·m")
+
+
+def _named(drives: Sequence[Drive], series: Sequence[Series]) -> tuple[list[list[int]], set[int]]:
+    """The series that each actuator's name may mean, and those that share words with one, as places."""
+    names = [drive.joint if drive.added else drive.name for drive in drives]
+    return matches(names, series), said_of(names, series)
 
 
 def _command(
@@ -198,7 +201,7 @@ def _command(
     base = drive.unit if not servo else ("m" if drive.unit == "N" else "rad")
     gain = given.gain / (given.stiffness if servo else drive.force)
     said = mine.words.unit or electric_unit(mine.place.path, base)
-    unit, scale, doubts = _unit(gain, base, said, settings, stated=servo or not drive.added)
+    unit, scale, doubts = unit_by_gain(gain, base, said, settings, stated=servo or not drive.added)
     explained = 1 - given.left / max(idle, np.finfo(float).tiny)
     late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
     why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}{drive.told}"
@@ -221,45 +224,6 @@ def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -
         f"the servo's gains, kp {given.stiffness:.3g} and kv {given.damping:.3g}, are a guess, as the motion hardly "
         f"shows them. Write its own into the model, or free actuator.{drive.name}.kp and .kv as parameters.",
     )
-
-
-def factors(base: str, said: str) -> dict[str, float]:
-    """Sizes of the units that numbers may have; one that is said is one if it is of that quantity, or there is none."""
-    known = UNITS.get(base, {base: 1.0})
-    told = said and (base == "1" or unit_of(said).name == base)
-    return {**known, said: unit_of(said).factor} if told else known
-
-
-def _unit(
-    gain: float, base: str, said: str, settings: ProposalSettings, *, stated: bool
-) -> tuple[str, float, list[str]]:
-    """Unit and scale of a command by its gain, and what is unsure; without a unit they are in one `stated`."""
-    size, known = abs(gain), factors(base, said)
-    if said in known:
-        left = size / known[said]
-        if settings.gain < left < 1 / settings.gain:
-            return said, 1.0, _beside_name(size, known[said], said, settings) if base == "1" else []
-    name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
-    other = bool(said) and said not in known and unit_of(said).dimension != unit_of(base).dimension  # near 1 by chance
-    if not other and abs(math.log(size / factor)) < math.log(settings.near_unit):
-        contradicts = [f"named {said}, but it moves the joint as {_plain(name)} do."] if said and said != name else []
-        return name, 1.0, contradicts
-    if settings.gain < size < 1 / settings.gain and stated and not said:
-        return base, 1.0, [f"acts {size:.2g} times as strongly as {_plain(base)} would; read as {_plain(base)}."]
-    scale = (f"{size:.3g}" if base == "1" else f"{size:.3g} {base}") + (f" per {said}" if other else "")
-    return base, float(f"{size:.3g}"), [f"its scale of {scale} is judged from the motion alone; check it."]
-
-
-def _beside_name(size: float, named: float, said: str, settings: ProposalSettings) -> list[str]:
-    """What is unsure of a control without a unit whose column's unit has another size than 1."""
-    if named == 1.0 or abs(size / named - 1) < settings.gain_off:
-        return []
-    return [f"its scale of {named:.3g} is that of {said}, as its name says; the motion alone says {size:.3g}."]
-
-
-def _plain(name: str) -> str:
-    """A unit in words."""
-    return "numbers of ctrl" if name == "1" else name
 
 
 def integrates(model: mujoco.MjModel) -> NDArray[np.bool_]:

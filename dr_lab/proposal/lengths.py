@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import mujoco
 
 from dr_lab.proposal.by_name import matches, said_of
-from dr_lab.proposal.drives import factors
+from dr_lab.proposal.command_units import factors
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.survey import Series
 from dr_lab.proposal.words import tokens

@@ -7,7 +7,8 @@ import numpy as np
 from dr_lab.channel_names import POSITION, joint_of, quantity
 from dr_lab.errors import DataError
 from dr_lab.measurements.inventory import Place
-from dr_lab.proposal.drives import UNITS, Command
+from dr_lab.proposal.command_units import UNITS
+from dr_lab.proposal.drives import Command
 from dr_lab.proposal.grid import Grid, grid_of, path_of
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.settings import ProposalSettings

@@ -8,9 +8,10 @@ import mujoco
 from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
+from dr_lab.proposal.command_units import factors
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
-from dr_lab.proposal.drives import drives_of, factors
+from dr_lab.proposal.drives import drives_of
 from dr_lab.proposal.grid import wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.mounting import worn

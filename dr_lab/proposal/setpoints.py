@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from dr_lab.proposal.drives import BY_NAME, UNITS, Command
+from dr_lab.proposal.command_units import UNITS
+from dr_lab.proposal.drives import BY_NAME, Command
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.search import Found
 from dr_lab.proposal.settings import ProposalSettings

@@ -59,6 +59,16 @@ _ALONE = {"rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "rad",
 _VELOCITY = {"vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"}
 _OTHER = {
     *("acc", "accel", "acceleration", "accelerations", "qdd", "ddq", "error", "errors", "temperature", "temp"),
+    *(
+        "cell",
+        "loadcell",
+        "bus",
+        "dcbus",
+        "vbus",
+        "battery",
+        "supply",
+        "mains",
+    ),  # forces and voltages that drive nothing
     *("index", "frame", "count", "id", "episode", "task", "done", "reward", "time", "timestamp", "stamp", "seq"),
 }
 _REFERENCE = {
@@ -229,7 +239,8 @@ def _kind(rest: list[str], above: set[str], by_unit: Kind, asked: bool) -> Kind:
     bare = [_bare(word) for word in rest]
     own = {*bare, *({"current"} if _TORQUE_CURRENT in itertools.pairwise(bare) else ())}
     said = own | above
-    if own & _OTHER or by_unit == "other":
+    weighed = by_unit == "drive" and "load" in own and not own & _DRIVE  # a load in N is a load cell's
+    if own & _OTHER or by_unit == "other" or weighed:
         return "other"
     if by_unit == "velocity" or own & _VELOCITY or any(word.startswith("d") and word[1:] in _POSITION for word in own):
         return "asked velocity" if asked else "velocity"

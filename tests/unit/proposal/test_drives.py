@@ -2,7 +2,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from dr_lab.proposal.drives import drives_of, factors
+from dr_lab.proposal.command_units import factors
+from dr_lab.proposal.drives import drives_of
 
 MACHINE = """<mujoco><worldbody>
   <body><joint name="turn" axis="0 1 0"/><geom size="0.1"/></body>
