@@ -14,8 +14,9 @@ from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.search.rank import Candidate, rank
 from dr_lab.diagnosis.search.verdict import decide

@@ -2,7 +2,7 @@
 
 from dr_lab.diagnosis.evidence.bench import Bench
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import supported
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.reports.gap_entries import SHORT_SHIFT, NoteEntry

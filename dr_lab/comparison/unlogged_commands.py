@@ -6,8 +6,9 @@ from functools import reduce
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import BETWEEN, UNDECIDED
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, sizeable, supported
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.evidence.support import sizeable, supported
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay

@@ -6,8 +6,9 @@ from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, certain, largest_gap, paired_gain
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.evidence.support import certain, largest_gap
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
 from dr_lab.diagnosis.settings import EvidenceSettings

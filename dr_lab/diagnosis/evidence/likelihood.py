@@ -4,7 +4,8 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, sizeable
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.support import sizeable
 from dr_lab.diagnosis.settings import EvidenceSettings
 
 

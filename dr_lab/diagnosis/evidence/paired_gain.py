@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
-from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, beyond_white, channel_at_floor
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, at_floor, beyond_white
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.evidence.typical import deviance, gap_closed, logs, typical
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -41,6 +41,7 @@ class Gain:
             worse simulates, NaN where there are too few blocks of data to know, or none that both simulate.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
+        logs_low: as `total_low`, by the scatter between logs, too, whatever makes it.
         wins: share of the windows that score in which the χ² is lower.
         clear: whether each of these gains, no window diverges that did not, and the better model alone is at the floor.
     """
@@ -56,13 +57,14 @@ class Gain:
     total_low: float
     trial_low: float
     blocks_low: float
+    logs_low: float
     wins: float
     clear: bool
 
 
 def _nothing(bound: float) -> Gain:
     """The gain where both models simulate no window; `bound` is the lower one of its evidence."""
-    return Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, bound, bound, bound, 0.0, clear=False)
+    return Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, bound, bound, bound, bound, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -74,9 +76,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block; below `settings.least_compared` blocks they are not known. Errors of a model may also be alike all
     over a log. So the bound of the evidence is the lower one of two: that of the blocks, and, of
-    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them. Where the better model
-    alone leaves noise, and such as instruments make, it has no such errors: the blocks decide. Below it lies what the
-    better model's further parameters may cost as they happen to be fitted (`_loss`).
+    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them; that of the blocks
+    alone where logs gain unequally for another reason (`_moved_unequally`). Below it lies what the better model's
+    further parameters may cost as they happen to be fitted (`_loss`).
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
     """
@@ -91,8 +93,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
-    bounds = _bounds(every, drawn[3], (worse, better), settings)
     gaps = {name: gap for name, (_, gap) in each.items() if not np.isnan(gap)}
+    unequal = _moved_unequally(worse, better, gaps.get(place, 0.0), settings)
+    bounds = _bounds(every, drawn[3], (worse, better), settings, within=unequal)
     return Gain(
         share=share,
         low=low,
@@ -105,6 +108,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         total_low=bounds.total,
         trial_low=bounds.trial,
         blocks_low=bounds.blocks,
+        logs_low=bounds.logs,
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not _diverges(worse, better)) and alone_at_floor(better, worse, settings),
     )
@@ -142,24 +146,36 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
 
 
 class _Bounds(NamedTuple):
-    """Lower bounds of the evidence: of all, of a trial, and of all by the scatter between blocks alone."""
+    """Lower bounds of the evidence: the one that counts, of a trial, by blocks alone, and by logs, too."""
 
     total: float
     trial: float
     blocks: float
+    logs: float
 
 
-def _bounds(every: _Every, drawn: Array, scores: tuple[Score, Score], settings: EvidenceSettings) -> _Bounds:
-    """The bounds; −∞ where the better model lets windows diverge that the worse one simulates."""
+def _moved_unequally(worse: Score, better: Score, closed: float, settings: EvidenceSettings) -> bool:
+    """Whether logs that gain unequally tell how the machine moved in each, and of no errors alike all over a log.
+
+    It is so where the better model leaves noise, so that it has no such errors, and either what it leaves is such as
+    instruments make and the worse one's is not, or it closes a share `settings.least_named` of the gap in the channel
+    with the most evidence: small errors that are taken up by some effect's parameters leave more.
+    """
+    coloured = alone_at_floor(better, worse, settings) and beyond_white(better, settings)
+    return coloured or (at_floor(better, settings) and closed >= settings.least_named)
+
+
+def _bounds(
+    every: _Every, drawn: Array, scores: tuple[Score, Score], settings: EvidenceSettings, *, within: bool
+) -> _Bounds:
+    """The bounds; `within` logs alone counts, or not. −∞ where only the better model lets windows diverge."""
     if _diverges(*scores):
-        return _Bounds(-np.inf, -np.inf, -np.inf)
-    (blocks, total), trials = (
+        return _Bounds(-np.inf, -np.inf, -np.inf, -np.inf)
+    (blocks, between), trials = (
         _lowest(every, drawn, 1 - c, scores, settings) for c in (settings.confidence, settings.trial_confidence)
     )
-    worse, better = scores
-    if alone_at_floor(better, worse, settings) and beyond_white(better, settings):
-        return _Bounds(blocks, trials[0], blocks)
-    return _Bounds(total, trials[1], blocks)
+    counts = (blocks, trials[0]) if within else (between, trials[1])
+    return _Bounds(*counts, blocks, between)
 
 
 def _lowest(
@@ -232,53 +248,3 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
     return (deviance(theirs, count) - deviance(ours, count)) / least.colour, gap_closed(theirs, ours, count, np.nan)
-
-
-def largest_gap(gain: Gain) -> float:
-    """Share of the gap that closes, over all channels or in the one with most evidence, if it has a gap, at best."""
-    return max(gain.gap, gain.channels.get(gain.place, 0.0))
-
-
-def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings) -> bool:
-    """Whether the channel with the most evidence comes down to the noise floor from above it."""
-    pair = (score.channels.get(gain.place) for score in (worse, better))
-    before, after = (channel is not None and channel_at_floor(channel, settings) for channel in pair)
-    return after and not before
-
-
-def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """Whether a gain is beyond its interval, threshold and penalty, and no trifle.
-
-    A typical window gains, too, where that is known. With few blocks the evidence may have no bound above 0. None is
-    asked of a model at the noise floor, where it is a likelihood ratio, that gains in every window that scores.
-    """
-    return not gain.low <= 0 and certain(gain, settings) and sizeable(gain, extra_parameters, settings)
-
-
-def supported_within_logs(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """The same where logs may gain unequally, because another test holds the scatter between logs."""
-    return _beyond(gain, gain.blocks_low, settings) and sizeable(gain, extra_parameters, settings)
-
-
-def certain(gain: Gain, settings: EvidenceSettings) -> bool:
-    """Whether a gain is beyond its interval, however small; of intervals see `supported`."""
-    return _beyond(gain, gain.total_low, settings)
-
-
-def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
-    return low > 0 or bool(gain.clear and gain.gap >= settings.least_named and not gain.low <= 0)
-
-
-def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """Whether a gain is supported but for its interval, of which only the confidence of a trial is asked.
-
-    Where several effects are missing each scatters what another one gains. Of one that closes half of a typical
-    window's gap no interval is asked: no other cause can explain as much.
-    """
-    return (gain.trial_low > 0 or gain.gap >= settings.least_named) and sizeable(gain, extra_parameters, settings)
-
-
-def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """Whether a gain, if certain, is beyond the threshold and the penalty of the added parameters, and no trifle."""
-    enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
-    return enough and largest_gap(gain) >= settings.least_gap

@@ -10,7 +10,8 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter

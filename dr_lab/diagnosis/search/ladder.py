@@ -24,7 +24,8 @@ import mujoco
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_to_the_end
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
+from dr_lab.diagnosis.evidence.support import cleared
 from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.diagnosis.search.deletions import Deletions, labels

@@ -7,8 +7,9 @@ import mujoco
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
 from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.evidence.support import cleared, supported
 from dr_lab.diagnosis.search.free_command import free_command
 from dr_lab.diagnosis.search.free_inertia import free_inertia
 from dr_lab.diagnosis.search.free_law import FreeLaw

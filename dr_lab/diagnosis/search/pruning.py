@@ -8,7 +8,8 @@ import numpy as np
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt
 from dr_lab.diagnosis.evidence.compatible import chance_within, known_of
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
+from dr_lab.diagnosis.evidence.support import sizeable, supported
 from dr_lab.diagnosis.search.as_special_case import reaching
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.hidden_by_step import hidden_by_step

@@ -10,7 +10,8 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
 from dr_lab.diagnosis.evidence.likelihood import less_likely
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, supported_within_logs
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.support import supported_in_all_logs, supported_within_logs
 from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -65,7 +66,7 @@ def asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: in
         return False
     if at_floor(richer.held_out, settings) and less_likely(poorer, richer, extra, settings):
         return not back.compatible or not at_floor(poorer.held_out, settings)
-    gain, enough = paired_gain(poorer.held_out, richer.held_out, settings), supported
+    gain, enough = paired_gain(poorer.held_out, richer.held_out, settings), supported_in_all_logs
     if back.certain:
         enough = supported_within_logs
     return not back.compatible and enough(gain, extra, settings)

@@ -13,7 +13,8 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, scored
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.as_special_case import holds, special_cases
 from dr_lab.diagnosis.search.candidate import Candidate

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.step import AddedEffect
 

@@ -7,7 +7,8 @@ from math import isnan
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.likelihood import less_likely
 from dr_lab.diagnosis.evidence.noise_floor import at_floor, beyond_white, noise_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
+from dr_lab.diagnosis.evidence.support import largest_gap, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings

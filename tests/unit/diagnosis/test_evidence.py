@@ -5,11 +5,9 @@ import pytest
 from evidence_scores import SETTINGS, chi2, score, seen
 
 from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
-from dr_lab.diagnosis.evidence.paired_gain import (
-    paired_gain,
-    supported,
-)
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.evidence.support import supported
 
 
 def test_fitted_windows_count_as_fits_to_the_others_foretell_them() -> None:

@@ -7,14 +7,9 @@ import pytest
 from evidence_scores import SETTINGS, chi2, score, seen
 from scipy.signal import lfilter
 
-from dr_lab.diagnosis.evidence.paired_gain import (
-    block_count,
-    paired_gain,
-    supported,
-    supported_within_logs,
-    worth_a_trial,
-)
+from dr_lab.diagnosis.evidence.paired_gain import block_count, paired_gain
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.evidence.support import supported, supported_in_all_logs, supported_within_logs, worth_a_trial
 from dr_lab.errors import ConfigError
 
 
@@ -112,9 +107,9 @@ def test_a_log_that_hardly_gains_widens_the_scatter_between_logs_alone() -> None
     """Sums of five logs as of a friction that falls with speed, which is told by slow motion only."""
     gained = np.tile([1.5, 0.5], 25) * np.repeat([194.0, 4.0, 115.0, 274.0, 39.0], 10) / 10
     gain = paired_gain(score(90 + gained, logs=5), score(np.full(50, 90.0), logs=5), SETTINGS)
-    assert gain.total_low < 0 < gain.blocks_low < gain.total
+    assert gain.logs_low < 0 < gain.blocks_low < gain.total
     assert supported_within_logs(gain, 2, SETTINGS)
-    assert not supported(gain, 2, SETTINGS)
+    assert not supported_in_all_logs(gain, 2, SETTINGS)
 
 
 def noise_fitted(parameters: int, seed: int) -> tuple[Score, Score, float]:
@@ -173,3 +168,20 @@ def test_logs_that_gain_unequally_are_asked_of_unless_the_instruments_noise_alon
     assert supported(noise, 1, SETTINGS)
     both = paired_gain(of(14.0 + closed, instrumental=True), of(left, instrumental=True), SETTINGS)
     assert not supported(both, 1, SETTINGS)  # the other model may have a force's errors all the same
+
+
+def test_logs_that_gain_unequally_are_not_asked_where_most_of_a_gap_closes_down_to_noise() -> None:
+    """A gap of 0.15 beside the noise of 1, of which an effect closes nearly all, or a fifth."""
+    count, log = np.full(60, 200.0), np.repeat(np.arange(6), 10)
+    noise = 1.0 + 0.01 * np.random.default_rng(0).standard_normal(60)
+    gap = np.where(log < 2, 0.4, 0.04)
+
+    def of(levels: np.ndarray) -> Score:
+        channel = ChannelScore(levels * count, count, 1.0, instrumental=False)
+        return Score(levels.mean(), {}, {}, {}, levels * count, count, log, 0, {"a": channel})
+
+    most, little = (paired_gain(of(noise + gap), of(noise + left * gap), SETTINGS) for left in (0.1, 0.8))
+    assert supported(most, 1, SETTINGS)
+    assert little.total > SETTINGS.threshold
+    assert little.total_low < 0 < little.blocks_low
+    assert not supported(little, 1, replace(SETTINGS, least_gap=0.0))

@@ -9,7 +9,7 @@ from diagnosis_machines import evidence_settings, pendulum, solver_settings, swi
 from effect_machines import catalogue_effect
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
-from dr_lab.diagnosis.evidence.paired_gain import supported
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence

@@ -7,7 +7,8 @@ from effect_machines import catalogue_effect, scales_of
 from screened_pendulum import OFFSET, bench_of, drive, lopsided, placed_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score, fitted_to_the_end
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.evidence.typical import deviance
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay

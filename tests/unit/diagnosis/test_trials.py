@@ -25,7 +25,8 @@ from trial_machines import (
 )
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.support import supported, worth_a_trial
 from dr_lab.diagnosis.search import ladder, pruning
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions

@@ -6,7 +6,7 @@ from diagnosis_machines import pendulum
 from effect_machines import catalogue_effect, scales_of
 from screened_pendulum import DRY_FRICTIONS, NAMES, bear, bench_of, creep, placed_of, rub
 
-from dr_lab.diagnosis.evidence.paired_gain import supported
+from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.search import waves
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.rank import rank
