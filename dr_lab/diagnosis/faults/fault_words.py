@@ -1,5 +1,6 @@
 """What is wrong with commands and what to write instead, in words."""
 
+import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -34,7 +35,8 @@ _UNITS: Mapping[str, Mapping[str, float]] = {
 
 # What positions and velocities of an SI unit are mistaken for: the true unit, what it is called, true over read number.
 _DEGREE = np.pi / 180
-_LENGTHS = (("mm", "m", 1e-3), ("m", "mm", 1e3), ("cm", "m", 1e-2), ("m", "cm", 1e2))
+_SIZES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+_LENGTHS = tuple((a, b, _SIZES[a] / _SIZES[b]) for a, b in itertools.permutations(_SIZES, 2))
 _ANGLES = (("deg", "rad", _DEGREE), ("rad", "deg", 1 / _DEGREE))
 _OUTPUTS = {"m": _LENGTHS, "rad": _ANGLES}
 _RPM = np.pi / 30
@@ -75,6 +77,18 @@ def position_units(unit: str) -> Sequence[tuple[str, str, float]]:
 def channel_units(unit: str) -> Sequence[tuple[str, str, float]]:
     """The same of any channel, of a gyroscope or a tachometer, too."""
     return [*position_units(unit), *(_RATES if unit == "rad/s" else ())]
+
+
+def remedy_of_unit(place: str, true: str, called: str, factor: float) -> str:
+    """What to write of a channel that is in another unit, whatever unit is given there.
+
+    Args:
+        place: its entry in the measurements.
+        true: the unit that it is in.
+        called: the unit that it is read in.
+        factor: true over read number.
+    """
+    return f"If its unit in {place} is {called}, write {true}; else multiply its scale by {factor:.4g}."
 
 
 def misread_position(gain: float, near: float, channel: str, unit: str) -> str:

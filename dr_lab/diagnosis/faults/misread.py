@@ -9,7 +9,7 @@ import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import Forces
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.faults.fault_words import known_factors, position_units, remedy_of_factor
+from dr_lab.diagnosis.faults.fault_words import known_factors, position_units, remedy_of_factor, remedy_of_unit
 from dr_lab.diagnosis.faults.smoothed_motion import Index, Motion, smoothed_motion
 from dr_lab.diagnosis.windows.commands import silent_actuators
 from dr_lab.trajectory import Array, Log, MeasurementSet
@@ -102,7 +102,7 @@ def _positions(model: mujoco.MjModel, motion: Motion, logs: Sequence[Log], dofs:
             continue
         for true, called, factor in position_units(logs[0].outputs[name].unit):
             told = f"{name} seems to be in {true} and called {called}"
-            remedy = f"Write unit: {true} in measurements.outputs.{name}, or correct its scale."
+            remedy = remedy_of_unit(f"measurements.outputs.{name}", true, called, factor)
             yield _Reading("unit", name, told, remedy, _scaled(dof, factor), lambda logs: logs)
 
 

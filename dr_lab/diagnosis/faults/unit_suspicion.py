@@ -9,7 +9,7 @@ import numpy as np
 from dr_lab.bounds import Count, Positive, at_least, require_bounds
 from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.faults.fault_words import channel_units
+from dr_lab.diagnosis.faults.fault_words import channel_units, remedy_of_unit
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows.start import untold_joints
@@ -154,7 +154,7 @@ def _readings(name: str, unit: str) -> Iterator[_Reading]:
     yield _Reading(name, -1.0, "with the other sign", f"Turn its sign in {place}, or its axis in the model.")
     for true, called, factor in channel_units(unit):
         told = f"if it is in {true} and called {called}"
-        yield _Reading(name, factor, told, f"Write unit: {true} in {place}, or correct its scale.")
+        yield _Reading(name, factor, told, remedy_of_unit(place, true, called, factor))
 
 
 def _misfit(score: Score, name: str) -> float:

@@ -40,7 +40,10 @@ def test_degrees_that_a_gyroscope_does_not_say_are_told(
     assert main(["init", "it.xml", *(_log(seed, 1, "gyro_x") for seed in range(3))]) == 0
     told = capsys.readouterr().out
     assert "if it is in deg/s and called rad/s" in told
-    assert "Write unit: deg/s in measurements.outputs.sensor.gyro.x, or correct its scale." in told
+    assert (
+        "If its unit in measurements.outputs.sensor.gyro.x is rad/s, write deg/s; else multiply its scale by 0.01745."
+        in told
+    )
 
 
 def _log(seed: int, sign: int, name: str = "gyro_x_dps") -> str:
