@@ -119,7 +119,7 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
 
     A URDF has no time step, so that it gets one that is fine enough; that of an MJCF stays, and what it does is told.
     """
-    model, doubts = proposal.model, [f"Log {each.log}: {each.message} {each.remedy}" for each in faults]
+    model, doubts = proposal.model, _by_message(faults)
     logs = measured.held_out or measured.fit
     loops = firm_loops(model, logs, measured, checks.windows, checks.model_check, checks.threads)
     if loops.share > checks.model_check.least_share:
@@ -129,9 +129,8 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
     told = replace(proposal, doubts=(*proposal.doubts, *doubts))
     if not finer.message:
         return told
-    moved = (
-        f"The time step of {floor.step:g} s alone moves {floor.worst} by {floor.largest:.2g} noise standard deviations"
-    )
+    times = f"{float(f'{floor.largest:.2g}'):g}"
+    moved = f"The time step of {floor.step:g} s alone moves {floor.worst} by {times} noise standard deviations"
     step = finer.model.spec.option.timestep
     if not proposal.robot.urdf:
         remedy = in_mjcf(proposal, finer.model) if finer.left < floor.largest else ""
@@ -141,6 +140,14 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
     spec = proposal.spec.copy()
     spec.option.timestep, spec.option.integrator = step, finer.model.spec.option.integrator
     return replace(told, spec=spec, notes=(*told.notes, note))
+
+
+def _by_message(faults: Sequence[Fault]) -> list[str]:
+    """What seems wrong with the logs; what is said of several in the same words, once."""
+    logs: dict[str, list[str]] = {}
+    for each in faults:
+        logs.setdefault(f"{each.message} {each.remedy}", []).append(each.log)
+    return [f"Log{'s' if len(names) > 1 else ''} {', '.join(names)}: {message}" for message, names in logs.items()]
 
 
 def _refused(proposal: Proposal, split: Split, settings: ProposalSettings) -> dict[str, str]:

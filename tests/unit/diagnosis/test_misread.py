@@ -73,10 +73,30 @@ def test_logs_as_declared_raise_nothing() -> None:
 @pytest.mark.parametrize(
     ("name", "factor", "words", "remedy"),
     [
-        ("pivot.position", DEGREE, "pivot.position seems to be in rad and called deg", "unit: rad in measurements"),
-        ("pivot.position", 1 / DEGREE, "pivot.position seems to be in deg and called rad", "unit: deg in measurements"),
-        ("rail.position", 1e-3, "rail.position seems to be in m and called mm", "unit: m in measurements.outputs.rail"),
-        ("rail.position", 1e3, "rail.position seems to be in mm and called m", "unit: mm in measurements.outputs.rail"),
+        (
+            "pivot.position",
+            DEGREE,
+            "pivot.position seems to be in rad and called deg",
+            "is deg, write rad; else multiply its scale by 57.3",
+        ),
+        (
+            "pivot.position",
+            1 / DEGREE,
+            "pivot.position seems to be in deg and called rad",
+            "is rad, write deg; else multiply its scale by 0.01745",
+        ),
+        (
+            "rail.position",
+            1e-3,
+            "rail.position seems to be in m and called mm",
+            "in measurements.outputs.rail.position is mm, write m; else multiply its scale by 1000",
+        ),
+        (
+            "rail.position",
+            1e3,
+            "rail.position seems to be in mm and called m",
+            "in measurements.outputs.rail.position is m, write mm; else multiply its scale by 0.001",
+        ),
     ],
 )
 def test_positions_in_another_unit_are_told_with_theirs(name: str, factor: float, words: str, remedy: str) -> None:
