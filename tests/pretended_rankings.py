@@ -1,6 +1,8 @@
 """Rankings of which only the scores are known."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -40,9 +42,10 @@ def wild(level: float) -> Score:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fit of which only the cost is known."""
+    """A fit of which only the cost is known, and the values if asked for."""
 
     cost: float
+    z: None = None
 
     def below(self, other: "Fitted") -> float:
         """By how much the cost is below another's."""
@@ -57,10 +60,25 @@ def model(level: float | Score, cost: float = 0.0) -> FittedModel:
 def candidate(
     base: FittedModel, name: str, level: float | Score, known: Identifiability, cost: float = 0.0
 ) -> Candidate:
-    fitted_model = model(level, cost)
-    gain = paired_gain(base.held_out, fitted_model.held_out, SETTINGS)
+    return at_values(base, name, level, {}, known, cost)
+
+
+def at_values(
+    base: FittedModel,
+    name: str,
+    level: float | Score,
+    values: Mapping[str, float],
+    known: Identifiability = CLEAR,
+    cost: float = 0.0,
+) -> Candidate:
+    """A candidate whose parameters ended at these values, by short names; the others at absent."""
     site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"
-    return Candidate(placed(block(), name, site), fitted_model, gain, known, 1.0, cast(Any, None))
+    effect = placed(block(), name, site)
+    ended = {p.name: p.nominal for p in effect.parameters} | {f"{effect.label}.{n}": v for n, v in values.items()}
+    space = SimpleNamespace(mapping=lambda _: ended)
+    fitted_model = replace(model(level, cost), model=cast(Any, SimpleNamespace(space=space)))
+    gain = paired_gain(base.held_out, fitted_model.held_out, SETTINGS)
+    return Candidate(effect, fitted_model, gain, known, 1.0, cast(Any, None))
 
 
 def judged(level: float | Score, *levels: tuple[str, float | Score], **known: Identifiability) -> Verdict:

@@ -40,11 +40,15 @@ class DryFriction:
         an absent effect would not be the same physics.
         """
         if joint.frictionloss == 0:
-            rk4 = spec.option.integrator == mujoco.mjtIntegrator.mjINT_RK4
-            damping = (self.rate_rk4 if rk4 else self.rate_first_order) / spec.option.timestep
+            damping = self.damping(spec)
             # negative: stiffness and damping themselves; a friction constraint has no position, so no stiffness acts
             joint.solref_friction = [-((damping / 2) ** 2), -damping]
             joint.solimp_friction[:2] = self.impedance
+
+    def damping(self, spec: mujoco.MjSpec) -> float:
+        """The rate b of a model's hardest constraint in 1/s."""
+        rk4 = spec.option.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        return (self.rate_rk4 if rk4 else self.rate_first_order) / spec.option.timestep
 
 
 @dataclass(frozen=True)

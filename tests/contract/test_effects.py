@@ -32,6 +32,7 @@ SMALL_ONES = {
     "two_joints_dcmotor": SMALL % '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
     "two_joints_in_air": SMALL.replace("<option ", '<option density="1.2" ')
     % '<motor name="drive" joint="rail" gear="2"/><motor name="turn" joint="hinge"/>',
+    "two_joints_with_friction": MOTOR.replace('damping="0.01"', 'damping="0.01" frictionloss="0.02"'),
     "two_joints_servo": SMALL % '<position name="drive" joint="rail" kp="50" kv="3"/>',
 }
 UNSEEN = {
@@ -50,6 +51,7 @@ ARCHETYPES = (
     "hopper",  # slides, hinges, contacts and three motors
     "two_joints_in_air",  # a medium, and a motor at each joint
     "two_joints_servo",  # a position servo at a slide, and a hinge without motor
+    "two_joints_with_friction",  # dry friction of the model's own
 )
 MODELS = (*SMALL_ONES, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))
 

@@ -11,6 +11,7 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
 from dr_lab.diagnosis.evidence.support import largest_gap, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
 from dr_lab.reports.quantity import number, percent
@@ -89,11 +90,21 @@ def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
     """Whether a candidate explains a fair part of the gap: far above the noise floor many effects help a little.
 
     Coloured noise of the instruments is no gap, of which an effect could explain a part. Where nothing else is left in
-    the channel with the most evidence, the evidence decides alone.
+    the channel with the most evidence, the evidence decides alone. One that is bent as far as its bounds allow, and
+    leaves more than noise, stands for another law: it must explain most of the gap.
     """
     channel = candidate.fitted_model.held_out.channels.get(candidate.gain.place)
     coloured = channel is not None and channel.instrumental and channel.chi2 > settings.floor
-    return coloured or largest_gap(candidate.gain) >= settings.least_explained
+    bent = _bent(candidate) and not at_floor(candidate.fitted_model.held_out, settings)
+    return coloured or largest_gap(candidate.gain) >= (settings.least_named if bent else settings.least_explained)
+
+
+def _bent(candidate: Candidate) -> bool:
+    """Whether more than one of its parameters ended at a bound where the effect is neither absent nor another one."""
+    placed, values = candidate.effect, candidate.fitted_model.values()
+    shapes = {f"{placed.label}.{name}" for name in placed.effect.sharpened}
+    ends = [ran_into(p, values[p.name]) for p in placed.parameters if p.name not in shapes]
+    return sum(any(each) for each in ends) > 1
 
 
 def _passes(

@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from effect_machines import block, placed
 from pretended_rankings import (
     ABSORBED,
     CLEAR,
@@ -13,6 +14,7 @@ from pretended_rankings import (
     HIDDEN,
     SETTINGS,
     WINDOWS,
+    at_values,
     candidate,
     few,
     judged,
@@ -70,6 +72,19 @@ def test_what_explains_but_little_of_a_gap_is_not_named() -> None:
     little, enough = judged(20.0, ("coulomb_friction", 17.0)), judged(20.0, ("coulomb_friction", 14.0))
     assert (little.kind, little.effects) == ("unexplained", ())
     assert enough.effects == ("coulomb_friction@rail",)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "left", "kind"),
+    [(2, 14.0, "unexplained"), (1, 14.0, "named"), (2, 8.0, "named"), (2, 1.0, "named")],
+)
+def test_what_is_bent_to_several_bounds_must_explain_most_of_a_gap(bounds: int, left: float, kind: str) -> None:
+    """A soft shaft with the largest rotor and damping closes 0.3, 0.6 or all of a gap."""
+    base, shaft = model(20.0), placed(block(), "motor_side_elasticity", "rail")
+    ends = {p.name.rpartition(".")[2]: p.high for p in shaft.parameters if p.high > p.nominal}
+    values = dict(list(ends.items())[:bounds])
+    assert len(values) == bounds
+    assert decide(base, [at_values(base, "motor_side_elasticity", left, values)], SETTINGS).kind == kind
 
 
 @pytest.mark.parametrize(
