@@ -82,7 +82,8 @@ TWO_LINKS = replace(
 WRIST = replace(MOTOR_ARM, name="wrist", scales=_scales(("turn", "joint", "roll", "bend"), "motor", 0.7, 3.0, 0.6))
 FLYER = replace(BLOCK, name="flyer", joint="flight", command=lambda t: 8.0 * np.cos(12.0 * t))
 DRIVEN_LINKS = replace(TWO_LINKS, name="driven_links")
-BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST, FLYER, DRIVEN_LINKS)
+STICKY_ARM = replace(MOTOR_ARM, name="sticky_arm")
+BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST, FLYER, DRIVEN_LINKS, STICKY_ARM)
 SHOWN_AT = {"contact_stiffness": "up"}  # another joint than the bench's
 SHOWN_IN = {"velocity_low_pass": "velocity"}  # another channel than the position
 

@@ -95,7 +95,7 @@ def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
     """
     channel = candidate.fitted_model.held_out.channels.get(candidate.gain.place)
     coloured = channel is not None and channel.instrumental and channel.chi2 > settings.floor
-    bent = _bent(candidate) and not at_floor(candidate.fitted_model.held_out, settings)
+    bent = not at_floor(candidate.fitted_model.held_out, settings) and _bent(candidate)
     return coloured or largest_gap(candidate.gain) >= (settings.least_named if bent else settings.least_explained)
 
 
