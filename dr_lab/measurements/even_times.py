@@ -72,7 +72,7 @@ def _line(time: Array, period: float) -> Array:
         return time
     place = np.append(0.0, np.cumsum(np.rint(np.diff(time) / period)))
     late = time - place * period
-    found = place * period + savgol_filter(late, width, 1)
+    found = place * period + np.asarray(savgol_filter(late, width, 1), np.float64)
     even = (np.diff(place) >= 1).all() and (np.diff(found) > 0).all()
     return found if even and np.std(time - found) > _EXACT * period else time
 

@@ -20,7 +20,7 @@ def moving(time: Array) -> Array:
 
 def log(seed: int, *, sampled_evenly: bool) -> Log:
     rng = np.random.default_rng(seed)
-    even = PERIOD * np.arange(COUNT)
+    even = PERIOD * np.arange(float(COUNT))
     stamps = even + LATE * rng.standard_normal(COUNT)
     taken = even if sampled_evenly else stamps
     hinge = Signal("hinge.position", "rad", stamps, moving(taken) + NOISE * rng.standard_normal(COUNT))
