@@ -48,6 +48,13 @@ def block(actuator: str = '<motor name="drive" joint="rail"/>', joint: str = "",
     return from_spec("block", mujoco.MjSpec.from_string(xml), {})
 
 
+def block_by(integrator: str, joint: str = "") -> Model:
+    """The same by another integrator, such as ``Euler``."""
+    found = block(joint=joint)
+    found.spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    return found
+
+
 def hanging(joint: str = "") -> Model:
     """A pendulum about y that hangs from the origin: 0.5 kg at 0.3 m, 0.005 kg·m² about its centre."""
     xml = f"""<mujoco model="pendulum">
@@ -98,6 +105,11 @@ def motion(model: mujoco.MjModel, seconds: float, qpos: float = 0.0, qvel: float
         mujoco.mj_step(model, data)
         rows.append((data.time, data.qpos[0], data.qvel[0]))
     return np.array(rows)
+
+
+def stopping(model: mujoco.MjModel) -> Array:
+    """How the block moves that slides, stops under a friction of 8 N, and creeps on if that lets it; as `motion`."""
+    return motion(model, 0.6, ctrl=6.0, qvel=0.4)
 
 
 def acceleration(model: mujoco.MjModel, qpos: float = 0.0, qvel: float = 0.0, ctrl: float = 0.0) -> float:

@@ -40,15 +40,30 @@ class DryFriction:
         an absent effect would not be the same physics.
         """
         if joint.frictionloss == 0:
-            damping = self.damping(spec)
-            # negative: stiffness and damping themselves; a friction constraint has no position, so no stiffness acts
-            joint.solref_friction = [-((damping / 2) ** 2), -damping]
-            joint.solimp_friction[:2] = self.impedance
+            set_constraint(joint, self.damping(spec), self.impedance)
 
     def damping(self, spec: mujoco.MjSpec) -> float:
         """The rate b of a model's hardest constraint in 1/s."""
         rk4 = spec.option.integrator == mujoco.mjtIntegrator.mjINT_RK4
         return (self.rate_rk4 if rk4 else self.rate_first_order) / spec.option.timestep
+
+
+def set_constraint(joint: Any, damping: float, impedance: float) -> None:  # noqa: ANN401 (MjsJoint)
+    """Give a joint's friction constraint its rate b in 1/s and its impedance d."""
+    # negative: stiffness and damping themselves; a friction constraint has no position, so no stiffness acts
+    joint.solref_friction = [-((damping / 2) ** 2), -damping]
+    joint.solimp_friction[:2] = impedance
+
+
+def soften(
+    joint: Any,  # noqa: ANN401 (MjsJoint)
+    share: float,
+    hard: tuple[float, float],
+    soft: tuple[float, float],
+) -> None:
+    """Give a joint's friction constraint 1/b and 1 − d at a share of the way between two constraints (b, d)."""
+    damping = 1 / ((1 - share) / hard[0] + share / soft[0])
+    set_constraint(joint, damping, hard[1] + share * (soft[1] - hard[1]))
 
 
 @dataclass(frozen=True)

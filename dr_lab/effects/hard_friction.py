@@ -7,7 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.dry_friction import DryFriction, soften
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of
 from dr_lab.physics.effect_parts import SpecEdit
@@ -65,9 +65,8 @@ class HardFriction(JointEffect, SpecEdit):
         joint, share = joint_of(spec, site), values["softness"]
         if share >= 1.0:
             return
-        damping = 1.0 / ((1.0 - share) / self.constraint.damping(spec) + share / self.damping)
-        joint.solref_friction = [-((damping / 2) ** 2), -damping]
-        joint.solimp_friction[:2] = self.constraint.impedance + share * (self.impedance - self.constraint.impedance)
+        hard = self.constraint.damping(spec), self.constraint.impedance
+        soften(joint, share, hard, (self.damping, self.impedance))
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Friction that hardly creeps."""

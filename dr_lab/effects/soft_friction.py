@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import mujoco
 
-from dr_lab.effects.dry_friction import DryFrictionEffect
+from dr_lab.effects.dry_friction import DryFrictionEffect, soften
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import joint_of, slides
 from dr_lab.effects.special_case import SpecialCase
@@ -77,10 +77,8 @@ class SoftFriction(DryFrictionEffect, SpecEdit):
             return
         joint.frictionloss += torque
         share = values["softness"] * torque / joint.frictionloss
-        hard, impedance = -joint.solref_friction[1], float(joint.solimp_friction[0])
-        damping = 1 / ((1 - share) / hard + share / self.damping)
-        joint.solref_friction = [-((damping / 2) ** 2), -damping]
-        joint.solimp_friction[:2] = impedance + share * (self.impedance - impedance)
+        hard = -float(joint.solref_friction[1]), float(joint.solimp_friction[0])
+        soften(joint, share, hard, (self.damping, self.impedance))
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little friction, as soft as MuJoCo's."""
