@@ -43,7 +43,9 @@ def score(excess: Array) -> Score:
 
 
 def fitted_model(effects: Sequence[PlacedEffect], excess: Array) -> FittedModel:
-    model, fit = SimpleNamespace(effects=tuple(effects)), SimpleNamespace(below=lambda _: 0.0, converged=True)
+    absent = {p.name: p.nominal for effect in effects for p in effect.parameters}
+    model = SimpleNamespace(effects=tuple(effects), space=SimpleNamespace(mapping=lambda _: absent))
+    fit = SimpleNamespace(z=None, below=lambda _: 0.0, converged=True)
     return FittedModel(cast(Any, model), cast(Any, fit), cast(Any, None), score(excess))
 
 

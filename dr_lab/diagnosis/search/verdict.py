@@ -95,8 +95,10 @@ def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
     """
     channel = candidate.fitted_model.held_out.channels.get(candidate.gain.place)
     coloured = channel is not None and channel.instrumental and channel.chi2 > settings.floor
-    bent = not at_floor(candidate.fitted_model.held_out, settings) and _bent(candidate)
-    return coloured or largest_gap(candidate.gain) >= (settings.least_named if bent else settings.least_explained)
+    closed = largest_gap(candidate.gain)
+    if coloured or not settings.least_explained <= closed < settings.least_named:
+        return coloured or closed >= settings.least_named
+    return at_floor(candidate.fitted_model.held_out, settings) or not _bent(candidate)
 
 
 def _bent(candidate: Candidate) -> bool:
