@@ -102,11 +102,14 @@ def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
 
 
 def _bent(candidate: Candidate) -> bool:
-    """Whether more than one of its parameters ended at a bound where the effect is neither absent nor another one."""
+    """Whether more than one of its parameters ended at a bound where the effect is neither absent nor another one.
+
+    At its lower bound a shape that may get sharper makes it one of its special cases.
+    """
     placed, values = candidate.effect, candidate.fitted_model.values()
-    shapes = {f"{placed.label}.{name}" for name in placed.effect.sharpened}
-    ends = [ran_into(p, values[p.name]) for p in placed.parameters if p.name not in shapes]
-    return sum(any(each) for each in ends) > 1
+    sharper = {f"{placed.label}.{name}" for name in placed.effect.sharpened}
+    ends = ((p.name, ran_into(p, values[p.name])) for p in placed.parameters)
+    return sum(high or (low and name not in sharper) for name, (low, high) in ends) > 1
 
 
 def _passes(
