@@ -94,7 +94,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
     gaps = {name: gap for name, (_, gap) in each.items() if not np.isnan(gap)}
-    unequal = _moved_unequally(worse, better, gaps.get(place, 0.0), settings)
+    unequal = _moved_unequally(better, gaps.get(place, 0.0), settings)
     bounds = _bounds(every, drawn[3], (worse, better), settings, within=unequal)
     return Gain(
         share=share,
@@ -154,15 +154,14 @@ class _Bounds(NamedTuple):
     logs: float
 
 
-def _moved_unequally(worse: Score, better: Score, closed: float, settings: EvidenceSettings) -> bool:
+def _moved_unequally(better: Score, closed: float, settings: EvidenceSettings) -> bool:
     """Whether logs that gain unequally tell how the machine moved in each, and of no errors alike all over a log.
 
-    It is so where the better model leaves noise, so that it has no such errors, and either what it leaves is such as
-    instruments make and the worse one's is not, or it closes a share `settings.least_named` of the gap in the channel
-    with the most evidence: small errors that are taken up by some effect's parameters leave more.
+    It is so where the better model leaves noise, so that it has no such errors, and either that is more than white
+    noise, such as instruments make, beside which small errors do not show, or it closes a share `settings.least_named`
+    of the gap in the channel with the most evidence: errors that some effect's parameters take up leave more.
     """
-    coloured = alone_at_floor(better, worse, settings) and beyond_white(better, settings)
-    return coloured or (at_floor(better, settings) and closed >= settings.least_named)
+    return at_floor(better, settings) and (beyond_white(better, settings) or closed >= settings.least_named)
 
 
 def _bounds(

@@ -167,7 +167,7 @@ def test_logs_that_gain_unequally_are_asked_of_unless_the_instruments_noise_alon
     assert not supported(force, 1, SETTINGS)
     assert supported(noise, 1, SETTINGS)
     both = paired_gain(of(14.0 + closed, instrumental=True), of(left, instrumental=True), SETTINGS)
-    assert not supported(both, 1, SETTINGS)  # the other model may have a force's errors all the same
+    assert both.total_low == noise.total_low  # what a drag adds to coloured noise may look like it
 
 
 def test_logs_that_gain_unequally_are_not_asked_where_most_of_a_gap_closes_down_to_noise() -> None:
