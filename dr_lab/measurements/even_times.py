@@ -49,7 +49,7 @@ def on_even_times(logs: Sequence[Log], contract: DataContract) -> tuple[Log, ...
     message = (
         f"The stamps scatter by {1e3 * scatter:.2g} ms about an even clock, and the motion does not follow them: "
         f"by the stamps {name} is {noisier[name]:.2g} times as noisy as on even times. It is read on these, and so is "
-        "what was logged in the same rows; measurements.contract.jitter=.inf keeps the stamps."
+        "what was logged in the same rows; measurements.contract.jitter=inf keeps the stamps."
     )
     return tuple(replace(log, notes=(*log.notes, Note("jitter", "", message))) for log in even)
 
