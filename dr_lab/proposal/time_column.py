@@ -14,7 +14,10 @@ from dr_lab.measurements.table_file import load, missing_header
 from dr_lab.proposal.split_clock import split_clocks
 from dr_lab.proposal.words import tokens
 
-_CLOCK_WORDS = ("t", "time", "timestamp", "stamp", "clock", "sec", "seconds", "secs", "ts", "elapsed")
+_CLOCK_WORDS = (
+    *("t", "time", "timestamp", "stamp", "clock", "sec", "seconds", "secs", "ts", "elapsed"),
+    *("zeit", "temps", "tiempo", "tempo"),
+)
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _SAID = {"ms": "ms", "msec": "ms", "millis": "ms", "us": "us", "usec": "us", "micros": "us", "ns": "ns", "nsec": "ns"}
 _RISES = 0.98  # share of the rows whose clock is later than that of the row before

@@ -202,6 +202,7 @@ def test_inertias_that_are_guessed_are_told(here: Path) -> None:
         ("time_us", 2000.0, "time_us", "us"),
         ("stamp", 2000.0, "stamp", "us"),
         ("time_s", 2.0, "time_s", "ms"),
+        ("Zeit [s]", 0.002, "Zeit [s]", "s"),
     ],
 )
 def test_the_unit_of_a_clock(here: Path, header: str, step: float, column: str, unit: str) -> None:
