@@ -74,11 +74,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell little.
 
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
-    inside a block; below `settings.least_compared` blocks they are not known. Errors of a model may also be alike all
-    over a log. So the bound of the evidence is the lower one of two: that of the blocks, and, of
-    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them; that of the blocks
-    alone where logs gain unequally for another reason (`_moved_unequally`). Below it lies what the better model's
-    further parameters may cost as they happen to be fitted (`_loss`).
+    inside a block; below `settings.least_compared` blocks they are not known. For the bound of the evidence see
+    `_bounds`.
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
     """
@@ -167,7 +164,13 @@ def _moved_unequally(better: Score, closed: float, settings: EvidenceSettings) -
 def _bounds(
     every: _Every, drawn: Array, scores: tuple[Score, Score], settings: EvidenceSettings, *, within: bool
 ) -> _Bounds:
-    """The bounds; `within` logs alone counts, or not. −∞ where only the better model lets windows diverge."""
+    """The bounds; −∞ where only the better model lets windows diverge.
+
+    Errors of a model may be alike all over a log. So the bound is the lower one of two: that of the blocks, and, of
+    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them; that of the blocks
+    alone where logs gain unequally for another reason (`within`; see `_moved_unequally`). Below it lies what the better
+    model's further parameters may cost as they happen to be fitted (`_loss`).
+    """
     if _diverges(*scores):
         return _Bounds(-np.inf, -np.inf, -np.inf, -np.inf)
     (blocks, between), trials = (
