@@ -74,8 +74,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell little.
 
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
-    inside a block; below `settings.least_compared` blocks they are not known. For the bound of the evidence see
-    `_bounds`.
+    inside a block; below `settings.least_compared` blocks they are not known. Of the evidence's bound see `_bounds`.
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
     """
@@ -85,8 +84,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     place = max(each, key=lambda name: float(each[name][0].sum()))
-    evidence = np.sum([found[0] for found in each.values()], axis=0)
-    every = _everywhere(evidence, worse, better, both)
+    every = _everywhere(np.sum([found[0] for found in each.values()], axis=0), worse, better, both)
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
