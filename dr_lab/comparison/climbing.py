@@ -13,7 +13,7 @@ from dr_lab.comparison.calibrated import calibrated
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score, fitted_for_comparison
 from dr_lab.diagnosis.evidence.confirmation import confirm
-from dr_lab.diagnosis.evidence.noise_floor import at_floor, beyond_white
+from dr_lab.diagnosis.evidence.noise_floor import at_coloured_floor, at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
@@ -102,14 +102,10 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
         ladder = _ladder(longer, effects, most, watch, _calibrated_from(longer, first[1].base))
         if ladder.steps and (_settled if doubtful else _explained)(longer, ladder):
             return longer, ladder
-        if not (first[1].steps or ladder.steps) and _coloured(ladder.base.held_out, study.bench.evidence):
+        # Noise that is correlated over long takes long windows to be told from a force.
+        if not (first[1].steps or ladder.steps) and at_coloured_floor(ladder.base.held_out, study.bench.evidence):
             return longer, ladder
     return first
-
-
-def _coloured(score: Score, evidence: EvidenceSettings) -> bool:
-    """Whether what is left is noise that is correlated over so long that only long windows tell it from a force."""
-    return at_floor(score, evidence) and beyond_white(score, evidence)
 
 
 def _as_long_as_noise(

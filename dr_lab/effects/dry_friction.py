@@ -10,6 +10,30 @@ from dr_lab.physics.effect_parts import SpecPreparation
 
 
 @dataclass(frozen=True)
+class Constraint:
+    """A friction constraint whose speed at rest decays as v' = (1 − d) a₀ − d b v.
+
+    Attributes:
+        damping: d b in 1/s, as MuJoCo's direct format of solreffriction has it.
+        impedance: d, within (0, 1).
+    """
+
+    damping: float
+    impedance: float
+
+    def put(self, joint: Any) -> None:  # noqa: ANN401 (MjsJoint)
+        """Give it to a joint."""
+        # negative: stiffness and damping themselves; a friction constraint has no position, so no stiffness acts
+        joint.solref_friction = [-((self.damping / 2) ** 2), -self.damping]
+        joint.solimp_friction[:2] = self.impedance
+
+    def softened(self, share: float, soft: "Constraint") -> "Constraint":
+        """The constraint whose 1/(d b) and 1 − d lie at a share of the way to those of a soft one."""
+        damping = 1 / ((1 - share) / self.damping + share / soft.damping)
+        return Constraint(damping, self.impedance + share * (soft.impedance - self.impedance))
+
+
+@dataclass(frozen=True)
 class DryFriction:
     """How hard the friction-loss constraint of a joint is.
 
@@ -40,30 +64,12 @@ class DryFriction:
         an absent effect would not be the same physics.
         """
         if joint.frictionloss == 0:
-            set_constraint(joint, self.damping(spec), self.impedance)
+            self.hardest(spec).put(joint)
 
-    def damping(self, spec: mujoco.MjSpec) -> float:
-        """The rate b of a model's hardest constraint in 1/s."""
+    def hardest(self, spec: mujoco.MjSpec) -> Constraint:
+        """The hardest constraint that a model allows."""
         rk4 = spec.option.integrator == mujoco.mjtIntegrator.mjINT_RK4
-        return (self.rate_rk4 if rk4 else self.rate_first_order) / spec.option.timestep
-
-
-def set_constraint(joint: Any, damping: float, impedance: float) -> None:  # noqa: ANN401 (MjsJoint)
-    """Give a joint's friction constraint its rate b in 1/s and its impedance d."""
-    # negative: stiffness and damping themselves; a friction constraint has no position, so no stiffness acts
-    joint.solref_friction = [-((damping / 2) ** 2), -damping]
-    joint.solimp_friction[:2] = impedance
-
-
-def soften(
-    joint: Any,  # noqa: ANN401 (MjsJoint)
-    share: float,
-    hard: tuple[float, float],
-    soft: tuple[float, float],
-) -> None:
-    """Give a joint's friction constraint 1/b and 1 − d at a share of the way between two constraints (b, d)."""
-    damping = 1 / ((1 - share) / hard[0] + share / soft[0])
-    set_constraint(joint, damping, hard[1] + share * (soft[1] - hard[1]))
+        return Constraint((self.rate_rk4 if rk4 else self.rate_first_order) / spec.option.timestep, self.impedance)
 
 
 @dataclass(frozen=True)

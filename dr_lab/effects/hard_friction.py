@@ -7,7 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.dry_friction import DryFriction, soften
+from dr_lab.effects.dry_friction import Constraint, DryFriction
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of
 from dr_lab.physics.effect_parts import SpecEdit
@@ -22,7 +22,7 @@ class HardFriction(JointEffect, SpecEdit):
     """Friction loss of the model's own whose constraint is harder than MuJoCo's default, as dry friction is.
 
     At rest the speed decays as v' = (1 − d) a₀ − d b v, a₀ being the acceleration without friction, so that the joint
-    creeps at (1 − d) a₀/(d b) under load. With softness s, 1 − d and 1/b lie at the share s of the way from a
+    creeps at (1 − d) a₀/(d b) under load. With softness s, 1 − d and 1/(d b) lie at the share s of the way from a
     constraint as hard as the integrator allows (`DryFriction`) to MuJoCo's defaults.
 
     Parameters (nominal = absent): softness s > 0 [1], absent = 1, MuJoCo's default.
@@ -31,16 +31,14 @@ class HardFriction(JointEffect, SpecEdit):
     Source: MuJoCo 4.0, computation chapter ("Friction loss") and modeling chapter (solver parameters).
 
     Attributes:
-        constraint: how hard the hardest constraint is.
-        impedance: d of MuJoCo's defaults.
-        damping: d b of MuJoCo's defaults in 1/s.
+        constraint: how hard the hardest one is.
+        default: MuJoCo's own constraint.
         hardest: smallest s.
         start: s of the fit that starts away from absent.
     """
 
     constraint: DryFriction
-    impedance: float
-    damping: float
+    default: Constraint
     hardest: float
     start: float
 
@@ -65,8 +63,7 @@ class HardFriction(JointEffect, SpecEdit):
         joint, share = joint_of(spec, site), values["softness"]
         if share >= 1.0:
             return
-        hard = self.constraint.damping(spec), self.constraint.impedance
-        soften(joint, share, hard, (self.damping, self.impedance))
+        self.constraint.hardest(spec).softened(share, self.default).put(joint)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Friction that hardly creeps."""

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import mujoco
 
-from dr_lab.effects.dry_friction import DryFrictionEffect, soften
+from dr_lab.effects.dry_friction import Constraint, DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import joint_of, slides
 from dr_lab.effects.special_case import SpecialCase
@@ -19,7 +19,7 @@ class SoftFriction(DryFrictionEffect, SpecEdit):
     """Dry friction by a soft constraint, which a machine has that is itself simulated: MuJoCo's ``frictionloss``.
 
     tau = −tau_c sign(v) while sliding. At rest the speed decays as v' = (1 − d) a₀ − d b v, a₀ being the acceleration
-    without friction, so that the joint creeps at (1 − d) a₀/(d b). With softness s, 1 − d and 1/b lie at the share s of
+    without friction, so that the joint creeps at (1 − d) a₀/(d b). With softness s, 1 − d and 1/(d b) lie at the share s of
     the way from the hard constraint of Coulomb friction (`DryFriction`) to MuJoCo's defaults: towards s = 0 it is
     Coulomb friction, at s = 1 what ``frictionloss`` alone gives. A real joint creeps by other laws: see
     `PreslidingFriction`.
@@ -33,16 +33,14 @@ class SoftFriction(DryFrictionEffect, SpecEdit):
     Attributes:
         factor: largest tau_c, in units of the joint's torque in the logs.
         least: smallest upper bound of tau_c, for joints that hardly move [N·m or N].
-        impedance: d of MuJoCo's defaults.
-        damping: d b of MuJoCo's defaults in 1/s.
+        default: MuJoCo's own constraint.
         softnesses: smallest, nominal and largest s.
         start_torque: tau_c of the fit that starts away from absent, share of its upper bound.
     """
 
     factor: float
     least: float
-    impedance: float
-    damping: float
+    default: Constraint
     softnesses: tuple[float, float, float]
     start_torque: float
 
@@ -77,8 +75,8 @@ class SoftFriction(DryFrictionEffect, SpecEdit):
             return
         joint.frictionloss += torque
         share = values["softness"] * torque / joint.frictionloss
-        hard = -float(joint.solref_friction[1]), float(joint.solimp_friction[0])
-        soften(joint, share, hard, (self.damping, self.impedance))
+        hard = Constraint(-float(joint.solref_friction[1]), float(joint.solimp_friction[0]))
+        hard.softened(share, self.default).put(joint)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little friction, as soft as MuJoCo's."""

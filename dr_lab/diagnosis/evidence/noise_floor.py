@@ -55,3 +55,8 @@ def beyond_white(score: Score, settings: EvidenceSettings) -> bool:
     """
     larger = score.chi2 > noise_floor(score.freedom, settings)
     return larger and any(channel.instrumental for channel in score.channels.values())
+
+
+def at_coloured_floor(score: Score, settings: EvidenceSettings) -> bool:
+    """Whether what a model leaves passes for noise, such as instruments make and larger than the white one."""
+    return at_floor(score, settings) and beyond_white(score, settings)

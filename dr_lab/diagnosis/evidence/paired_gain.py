@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
-from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, at_floor, beyond_white
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, at_coloured_floor, at_floor
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.evidence.typical import deviance, gap_closed, logs, typical
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -156,7 +156,8 @@ def _moved_unequally(better: Score, closed: float, settings: EvidenceSettings) -
     noise, such as instruments make, beside which small errors do not show, or it closes a share `settings.least_named`
     of the gap in the channel with the most evidence: errors that some effect's parameters take up leave more.
     """
-    return at_floor(better, settings) and (beyond_white(better, settings) or closed >= settings.least_named)
+    most = at_floor(better, settings) and closed >= settings.least_named
+    return most or at_coloured_floor(better, settings)
 
 
 def _bounds(
