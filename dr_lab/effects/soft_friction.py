@@ -19,8 +19,8 @@ class SoftFriction(DryFrictionEffect, SpecEdit):
     """Dry friction by a soft constraint, which a machine has that is itself simulated: MuJoCo's ``frictionloss``.
 
     tau = −tau_c sign(v) while sliding. At rest the speed decays as v' = (1 − d) a₀ − d b v, a₀ being the acceleration
-    without friction, so that the joint creeps at (1 − d) a₀/(d b). With softness s, 1 − d and 1/(d b) lie at the share s of
-    the way from the hard constraint of Coulomb friction (`DryFriction`) to MuJoCo's defaults: towards s = 0 it is
+    without friction, so that the joint creeps at (1 − d) a₀/(d b). With softness s, 1 − d and 1/(d b) lie at the share
+    s of the way from the hard constraint of Coulomb friction (`DryFriction`) to MuJoCo's defaults: towards s = 0 it is
     Coulomb friction, at s = 1 what ``frictionloss`` alone gives. A real joint creeps by other laws: see
     `PreslidingFriction`.
 

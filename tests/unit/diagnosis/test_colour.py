@@ -81,6 +81,14 @@ def test_noise_of_instruments_is_told_from_forces(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
+def test_noise_that_is_hardly_larger_than_it_is_known_but_correlated_is_told_from_forces(seed: int) -> None:
+    """Over nine samples: of what is known as white noise most is correlated, too."""
+    rows = less_a_line(1.2 * cut(correlated(seed, STEP / np.log(1 / 0.8))))
+    assert 1.1 < float((rows**2).mean()) < 1.6
+    assert instrumental(rows, every(rows), 2)
+
+
+@pytest.mark.parametrize("seed", range(5))
 def test_what_a_force_left_is_no_noise(seed: int) -> None:
     """White force, dry friction that changes sign at times, a constant force, and a vibration that comes and goes."""
     time, rng = STEP * np.arange(SAMPLES), random(seed)

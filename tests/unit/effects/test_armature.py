@@ -17,3 +17,9 @@ def test_upper_bound_is_twice_the_joints_own_inertia() -> None:
     (parameter,) = placed(hanging(), "armature", "hinge").parameters
     assert parameter.high == pytest.approx(2 * (0.005 + 0.5 * 0.3**2), rel=1e-12)
     assert placed(block(), "armature", "rail").parameters[0].unit == "kg"
+
+
+def test_it_is_also_looked_for_from_its_largest() -> None:
+    """Motion falls with one over the inertia: a step from none hardly sees a rotor that is far heavier than the link."""
+    one = placed(hanging(), "armature", "hinge")
+    assert [*one.starts] == [{"armature@hinge.inertia": one.parameters[0].high}]

@@ -58,3 +58,10 @@ def test_nothing_blows_in_a_vacuum_or_on_a_vertical_rail() -> None:
     upright.joint("rail").axis = [0.0, 0.0, 1.0]
     assert effect.sites(upright.compile()) == ()
     assert effect.sites(sled('viscosity="1e-3"').nominal()) == ("world",)
+
+
+def test_it_is_also_looked_for_from_half_a_gale_either_way() -> None:
+    """Drag grows with the square of the wind: in still air a step hardly sees a strong one."""
+    one = placed(sled(), "wind", "world")
+    (along,) = one.parameters
+    assert sorted(start["wind@world.x"] for start in one.starts) == [along.low / 2, along.high / 2]
