@@ -20,6 +20,6 @@ def test_upper_bound_is_twice_the_joints_own_inertia() -> None:
 
 
 def test_it_is_also_looked_for_from_its_largest() -> None:
-    """Motion falls with one over the inertia: a step from none hardly sees a rotor that is far heavier than the link."""
+    """Motion falls with one over the inertia: from none, a step hardly sees a rotor far heavier than the link."""
     one = placed(hanging(), "armature", "hinge")
     assert [*one.starts] == [{"armature@hinge.inertia": one.parameters[0].high}]

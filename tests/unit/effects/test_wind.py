@@ -60,7 +60,7 @@ def test_nothing_blows_in_a_vacuum_or_on_a_vertical_rail() -> None:
     assert effect.sites(sled('viscosity="1e-3"').nominal()) == ("world",)
 
 
-def test_it_is_also_looked_for_from_half_a_gale_either_way() -> None:
+def test_it_is_also_looked_for_from_half_of_the_strongest_either_way() -> None:
     """Drag grows with the square of the wind: in still air a step hardly sees a strong one."""
     one = placed(sled(), "wind", "world")
     (along,) = one.parameters
