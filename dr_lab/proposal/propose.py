@@ -64,11 +64,12 @@ class Proposal:
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """Series that change, but that neither an output nor a command reads."""
+        """Series that neither an output nor a command reads; those that never change, and counts, say so."""
         read = {part.place for output in self.outputs for part in output.parts}
         read |= {command.series.place for command in self.commands}
-        left = [str(each.place) for each in self.logs.series if each.moves and each.place not in read]
-        return (*left, *(f"{each.place} (counts the rows)" for each in self.logs.counts))
+        left = [each for each in self.logs.series if each.place not in read]
+        said = [f"{each.place}{'' if each.moves else ' (never changes)'}" for each in left]
+        return (*said, *(f"{each.place} (counts the rows)" for each in self.logs.counts))
 
 
 def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:

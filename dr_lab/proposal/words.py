@@ -57,18 +57,10 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
 )
 _ALONE = {"rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "rad", "mrad"}  # units that are a whole name
 _VELOCITY = {"vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"}
+_SUPPLY = re.compile(r"dc(bus|link)|[uv](bus|batt?|dc)(?![a-z])")  # of words without what is between them: DCbus, Vbat
 _OTHER = {
     *("acc", "accel", "acceleration", "accelerations", "qdd", "ddq", "error", "errors", "temperature", "temp"),
-    *(
-        "cell",
-        "loadcell",
-        "bus",
-        "dcbus",
-        "vbus",
-        "battery",
-        "supply",
-        "mains",
-    ),  # forces and voltages that drive nothing
+    *("cell", "loadcell", "bus", "battery", "supply", "mains"),  # forces and voltages that drive nothing
     *("index", "frame", "count", "id", "episode", "task", "done", "reward", "time", "timestamp", "stamp", "seq"),
 }
 _REFERENCE = {
@@ -115,20 +107,7 @@ _GENERIC = {
         "data",
         "main",
     ),
-    *(
-        "j",
-        "states",
-        "feedback",
-        "applied",
-        "per",
-        "s",
-        "applied",
-        "values",
-        "controller",
-        "position",
-        "velocity",
-        "group",
-    ),
+    *("j", "states", "feedback", "applied", "per", "s", "values", "controller", "position", "velocity", "group"),
 }
 _UNTELLING = (
     _GENERIC | _VELOCITY | _REFERENCE | _OTHER | _DRIVE | _MEASURED | {"pos", "positions", "q", "qpos", "angle"}
@@ -240,7 +219,7 @@ def _kind(rest: list[str], above: set[str], by_unit: Kind, asked: bool) -> Kind:
     own = {*bare, *({"current"} if _TORQUE_CURRENT in itertools.pairwise(bare) else ())}
     said = own | above
     weighed = by_unit == "drive" and "load" in own and not own & _DRIVE  # a load in N is a load cell's
-    if own & _OTHER or by_unit == "other" or weighed:
+    if own & _OTHER or by_unit == "other" or weighed or _SUPPLY.search("".join(rest)):
         return "other"
     if by_unit == "velocity" or own & _VELOCITY or any(word.startswith("d") and word[1:] in _POSITION for word in own):
         return "asked velocity" if asked else "velocity"

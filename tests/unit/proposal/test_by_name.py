@@ -60,6 +60,9 @@ def test_a_force_may_drive_a_slide() -> None:
         ("motor_load_N", "drive"),
         ("present_load", ""),
         ("dc_bus_V", "other"),
+        ("DCbus_V", "other"),
+        ("Vbat", "other"),
+        ("u_link1", "drive"),
         ("loadcell_N", "other"),
     ],
 )
