@@ -9,6 +9,7 @@ from dr_lab.comparison.calibrated import Described, as_given, describe
 from dr_lab.comparison.deciding import deciding_experiment
 from dr_lab.comparison.finish import Run, answer, finish, save
 from dr_lab.comparison.inertia import inertia_entry
+from dr_lab.comparison.knowledge_notes import changed_masses, richer_effects
 from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.missing_force import missing_forces
@@ -143,7 +144,8 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
     ]
     last = ladder.models[-1]
     of_logs = [*notes.disagreeing_logs(study.bench, last), *notes.shared_loads(study.bench, last)]
-    return [*notes.few_blocks(study.bench), *of_logs, *notes.refused(ladder.refused), *changed]
+    open_still = [*changed_masses(last), *richer_effects(ladder.rungs)]
+    return [*notes.few_blocks(study.bench), *of_logs, *open_still, *notes.refused(ladder.refused), *changed]
 
 
 def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:

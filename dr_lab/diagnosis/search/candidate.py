@@ -26,6 +26,8 @@ class Candidate:
         fitted: whether the effect was fitted; else it stayed absent, as its prediction was too small.
         final: whether it was fitted to all windows; else another candidate had beaten it on a part of them, or
             explained as much with fewer parameters.
+        needless: of one that is not final: whether it explained as much as the best one on that part, to which another
+            one with fewer parameters came near enough.
         resolved: whether it is more than a shift in time by less than `Bench.timing_resolution`; an integrator's own
             error is such a shift, and so is what a command that is logged too rarely leaves.
     """
@@ -38,6 +40,7 @@ class Candidate:
     windows: Windows
     fitted: bool = True
     final: bool = True
+    needless: bool = False
     resolved: bool = True
 
     def told(self) -> "Candidate":

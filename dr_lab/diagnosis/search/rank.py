@@ -106,7 +106,9 @@ class _Contest:
         """
         found = dict(tried)
         if not self.fits.whole:
-            standing = [k for k in self._standing({**before, **tried}) if k in tried]
+            standing, needless = self._standing({**before, **tried})
+            standing = [k for k in standing if k in tried]
+            found |= {k: replace(found[k], needless=True) for k in needless if k in tried}
             cases = special_cases(self.placed, standing, standing)
             others = [k for k in standing if k not in cases]
             limits = {k: j for k in others for j in standing if holds(self.placed[k], self.placed[j])}
@@ -202,11 +204,12 @@ class _Contest:
         base = scored(self.bench, self.base.model, best, near=self.base.states)
         return Ranking(base, beside(base, found, settings), back_from)
 
-    def _standing(self, tried: Mapping[int, Candidate]) -> list[int]:
-        """Places of the best candidates and of all that the best one does not beat.
+    def _standing(self, tried: Mapping[int, Candidate]) -> tuple[list[int], list[int]]:
+        """Places of the best candidates and of all that the best one does not beat; of the latter, those needless.
 
-        A candidate whose fit gains less than is hoped for (`_gains`) is out, whatever was promised. Others stand as
-        well, for few windows flatter the best one:
+        A needless one has more parameters than another that stands, and hardly explains more. A candidate whose fit
+        gains less than is hoped for (`_gains`) is out, whatever was promised. Others stand as well, for few windows
+        flatter the best one:
 
         1. Its special cases: a fit of hard friction ends early more often than one that softens it, so a richer effect
            may lead only because its fit went on.
@@ -215,8 +218,8 @@ class _Contest:
         settings = self.bench.evidence
         order = sorted((k for k, c in tried.items() if self._gains(c)), key=lambda k: -tried[k].gain.total)
         if not order:
-            return []
-        standing: list[int] = []
+            return [], []
+        standing, needless = list[int](), list[int]()
         counts = {k: len(tried[k].effect.parameters) for k in order}
         leaner = {counts[k]: k for k in reversed(order) if counts[k] < counts[order[0]]}  # the best one comes last
         kept = {*leaner.values(), *(k for k in order if holds(self.placed[order[0]], self.placed[k]))}
@@ -225,10 +228,12 @@ class _Contest:
             cases = [
                 j for j in standing if special_cases(self.placed, [k], [j])
             ]  # others may lead on few windows alone
-            needless = any(self._needless(tried[k], tried[j]) for j in cases or standing)
-            if not needless and (k in kept or not supported(best, 0, settings)):
+            beaten = supported(best, 0, settings)
+            if any(self._needless(tried[k], tried[j]) for j in cases or standing):
+                needless += [] if beaten else [k]
+            elif k in kept or not beaten:
                 standing.append(k)
-        return standing
+        return standing, needless
 
     def _gains(self, candidate: Candidate) -> bool:
         """Whether a fit to few windows gains as much as a linear step must promise, and not in the worst ones alone.

@@ -42,8 +42,8 @@ class Rung:
         found, named = {c.effect.label: c for c in self.ranking}, self.verdict.effects
         chosen, *rivals = (found[label] for label in named or self.verdict.trial)
         least = min((each.gain.total for each in rivals), default=inf)
-        passed = (
-            c for c in self.ranking if c.final and c.resolved and self.verdict.status[c.effect.label] == "rejected"
-        )
+        status = self.verdict.status
+        left = ("rejected", "not_needed")
+        passed = (c for c in self.ranking if c.final and c.resolved and status[c.effect.label] in left)
         near = tuple(c for c in passed if c.gain.total > least and not holds(c.effect, chosen.effect))
         return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named), passed=near, alike=self.alike)

@@ -27,7 +27,8 @@ class Verdict:
             ``none`` (nothing supported, the model is at the noise floor) or ``unexplained`` (nothing supported
             although a gap remains).
         effects: labels of the named or equivalent effects, the one nearest to a joint first.
-        status: label → ``named``, ``equivalent``, ``not_excited`` or ``rejected``.
+        status: label → ``named``, ``equivalent``, ``not_excited``, ``not_needed`` (it explains about as much as what is
+            named or equivalent, with more parameters) or ``rejected``.
         trial: labels of the effects that pass at the lower confidence of a trial, in the same order; only where none is
             named although a gap remains. Later effects may put the first of them beyond doubt.
         absorbed: labels of effects whose place the model's own free parameters can take on these data.
@@ -47,7 +48,7 @@ class Verdict:
             return self
         effects = dict.fromkeys(poorer if label == richer else label for label in self.effects)
         return replace(
-            self, effects=tuple(effects), status={**self.status, poorer: self.status[richer], richer: "rejected"}
+            self, effects=tuple(effects), status={**self.status, poorer: self.status[richer], richer: "not_needed"}
         )
 
 
@@ -73,6 +74,7 @@ def decide(
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
+    status |= {c.effect.label: "not_needed" for c in ranking if c not in group and _as_good(c, group, settings)}
     labels = tuple(c.effect.label for c in group)
     kind = _kind(base, group, status, settings)
     doubtful = [c for c in helpful if kind == "unexplained" and _passes(worth_a_trial, c, settings)]
@@ -257,6 +259,16 @@ def _absorbed(candidate: Candidate, settings: EvidenceSettings) -> bool:
     moved = candidate.fitted and gain.total >= settings.threshold and largest_gap(gain) >= settings.least_named
     excited = known.alone >= settings.threshold and not moved
     return excited and (known.share < settings.absorbed or known.beside < settings.threshold)
+
+
+def _as_good(candidate: Candidate, group: Sequence[Candidate], settings: EvidenceSettings) -> bool:
+    """Whether a candidate explains about as much as one of those that stand, with more parameters."""
+    if not candidate.final:
+        return candidate.needless and bool(group)
+    return _passes(supported, candidate, settings) and any(
+        len(candidate.effect.parameters) > len(stands.effect.parameters) and not _beats(stands, candidate, settings)
+        for stands in group
+    )
 
 
 def _status(

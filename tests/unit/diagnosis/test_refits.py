@@ -215,8 +215,8 @@ def test_others_have_their_turn_where_the_best_of_few_windows_gains_nothing_in_a
             return self._fits.at_absent(candidate.effect, candidate.fitted_model.fit, candidate.identifiability, 0.0)
         return refitted_to_all(self, candidate, self.begun(candidate))
 
-    def leading(self: rank._Contest, tried: dict[int, Candidate]) -> list[int]:
-        return [k for k in tried if self.placed[k].effect.name == "spring"] or list(tried)
+    def leading(self: rank._Contest, tried: dict[int, Candidate]) -> tuple[list[int], list[int]]:
+        return [k for k in tried if self.placed[k].effect.name == "spring"] or list(tried), []
 
     refitted_to_all = Refits.refitted
     monkeypatch.setattr(Refits, "refitted", refit)
@@ -226,6 +226,16 @@ def test_others_have_their_turn_where_the_best_of_few_windows_gains_nothing_in_a
     best, other = rank.rank(fits.bench, fits.base, effects, lambda _: None).candidates
     assert (best.effect.effect.name, best.final) == ("constant_offset", True)
     assert (other.effect.effect.name, other.fitted) == ("spring", False)
+
+
+def test_what_explains_as_much_on_few_windows_with_more_parameters_is_called_needless() -> None:
+    fits = fits_of(push)
+    effects = [effect_of(name) for name in ("constant_offset", "spring", "viscous_friction")]
+    contest = rank._Contest(fits.bench, fits.base, effects, lambda _: None)
+    found = {k: tried(fits, effect.effect.name) for k, effect in enumerate(contest.placed)}
+    standing, needless = contest._standing(found)
+    assert [contest.placed[k].effect.name for k in standing] == ["constant_offset"]
+    assert [contest.placed[k].effect.name for k in needless] == ["spring"]
 
 
 def test_more_threads_change_no_fit(begun: tuple[Refits, Candidate, Begun]) -> None:

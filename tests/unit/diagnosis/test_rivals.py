@@ -110,7 +110,7 @@ def test_without_a_threshold_the_best_effect_still_stands() -> None:
 def test_a_richer_effect_that_explains_no_more_is_no_rival() -> None:
     verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 1.0005))
     assert verdict.effects == ("coulomb_friction@rail",)
-    assert verdict.status["stribeck_friction@rail"] == "rejected"
+    assert verdict.status["stribeck_friction@rail"] == "not_needed"
 
 
 def test_a_needlessly_rich_effect_hides_no_rival_of_the_one_that_takes_its_place() -> None:

@@ -255,6 +255,20 @@ def test_windows_that_only_the_base_loses_count_for_neither() -> None:
     assert verdict.effects == ("coulomb_friction@rail",)
 
 
+@pytest.mark.parametrize(
+    ("needless", "level", "status"), [(True, 1.0, "not_needed"), (False, 1.0, "rejected"), (True, 19.9, "rejected")]
+)
+def test_what_explained_as_much_on_few_windows_is_not_needed_beside_what_is_named(
+    needless: bool, level: float, status: str
+) -> None:
+    base = model(20.0)
+    named = candidate(base, "coulomb_friction", level, CLEAR)
+    tried = replace(candidate(base, "stribeck_friction", 1.0, CLEAR), final=False, needless=needless)
+    verdict = decide(base, [named, tried], SETTINGS)
+    assert bool(verdict.effects) == (level == 1.0)
+    assert verdict.status["stribeck_friction@rail"] == status
+
+
 def test_a_special_case_takes_the_place_of_what_is_put_back_to_it() -> None:
     verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 12.0), ("viscous_friction", 19.0))
     assert verdict.effects == ("stribeck_friction@rail",)
@@ -262,7 +276,7 @@ def test_a_special_case_takes_the_place_of_what_is_put_back_to_it() -> None:
     assert settled.effects == ("coulomb_friction@rail",)
     assert settled.status == {
         "coulomb_friction@rail": "named",
-        "stribeck_friction@rail": "rejected",
+        "stribeck_friction@rail": "not_needed",
         "viscous_friction@rail": "rejected",
     }
     assert settled.put_back("stribeck_friction@rail", "coulomb_friction@rail") is settled
