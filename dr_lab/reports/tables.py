@@ -77,7 +77,7 @@ def channel_table(report: GapReport) -> str:
 
 
 def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None, confidence: float | None) -> str:
-    """Candidates, best first: status, χ², gain with its interval, of this confidence, and their own parameters."""
+    """Candidates, best first: status, χ², the share of χ² removed with its interval, and their own parameters."""
     rows = [
         [
             str(place),
@@ -87,7 +87,7 @@ def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None, confid
         ]
         for place, row in enumerate(ranking, start=1)
     ]
-    return table(["", "effect", "status", "χ²", _gain(confidence), "its parameters"], rows)
+    return table(["", "effect", "status", "χ²", _removed(confidence), "its parameters"], rows)
 
 
 def promise_table(ranking: Sequence[CandidateEntry], verdict: str | None, first: int) -> str:
@@ -102,7 +102,7 @@ def promise_table(ranking: Sequence[CandidateEntry], verdict: str | None, first:
 def ranking_summary(ranking: Sequence[CandidateEntry], verdict: str | None, confidence: float | None) -> str:
     """Candidates, best first, without their parameters, which leaves room for whole names on a screen."""
     rows = [[f"`{row.label}`", status(row, verdict), *_outcome(row)[:2]] for row in ranking]
-    return table(["effect", "status", "χ²", _gain(confidence)], rows)
+    return table(["effect", "status", "χ²", _removed(confidence)], rows)
 
 
 def intervals_of(confidence: float | None) -> str:
@@ -110,8 +110,8 @@ def intervals_of(confidence: float | None) -> str:
     return "interval" if confidence is None else f"{100 * confidence:.3g} % interval"
 
 
-def _gain(confidence: float | None) -> str:
-    return f"gain ({intervals_of(confidence)})"
+def _removed(confidence: float | None) -> str:
+    return f"χ² removed ({intervals_of(confidence)})"
 
 
 def _outcome(row: CandidateEntry) -> tuple[str, str, str]:
