@@ -54,7 +54,7 @@ def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
         if lost:
             told = f"{name} lacks {lost} of {len(fit.infeasible)} windows, whose simulation diverges."
             notes.append(NoteEntry(f"{told} Its parameters hold for the others alone.", "infeasible_windows"))
-        if not fit.converged:
+        if fit.iterations and not fit.converged:  # a learned force is a regression, which takes no step
             steps = f"{fit.iterations} step{'s' if fit.iterations != 1 else ''}"
             told = f"{name} did not converge in {steps}: its parameters may not be the best."
             rest = "Raise solver.iterations, or begin nearer."

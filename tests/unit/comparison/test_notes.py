@@ -80,6 +80,12 @@ def test_a_fit_without_its_certificate_is_told_with_what_helps(told: str, remedy
     assert remedy in note.message
 
 
+def test_nothing_is_told_of_a_learned_force_whose_fit_took_no_step() -> None:
+    fitted_model = calibrated(study())
+    regressed = replace(fitted_model.fit, converged=False, iterations=0)
+    assert not fit_notes([replace(fitted_model, fit=regressed)])
+
+
 def test_a_log_without_room_for_a_window_is_told() -> None:
     logs = [swinging(f"log_{k}", pendulum().nominal(), k, seconds=0.25 if k == 1 else 3.0) for k in range(3)]
     notes = study_notes(prepare(short_comparison(pendulum(), measured(logs[:2], logs[2:]))))
