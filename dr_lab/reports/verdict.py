@@ -212,7 +212,8 @@ def _share(report: GapReport) -> str:
         return ""
     low, high = explained.low, explained.high
     interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""
-    subject = "Together they explain" if len(report.added) > 1 else "It explains"
+    alone = "The first explains" if report.catalogued[-1].rivals else "It explains"
+    subject = "Together they explain" if len(report.added) > 1 else alone
     told = f"{subject} {percent(explained.share)}{interval} of what the calibrated model misses{_few_windows(report)}."
     return f"{told}{_predicted(report)}"
 

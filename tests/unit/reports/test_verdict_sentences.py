@@ -24,6 +24,8 @@ def test_a_prediction_is_told_without_and_with_what_was_added(close_report: dict
     told = verdict(explaining(close_report, low=0.1))
     assert "It explains 32 % (10 % … 100 %) of what the calibrated model misses. " in told
     assert "`arm.position` is predicted within 0.0354 rad RMS without it and 0.0224 with it. χ² on" in told
+    close_report["ladder"][-1]["rivals"] = ["spring@arm"]
+    assert "The first explains 32 % (10 % … 100 %)" in verdict(explaining(close_report, low=0.1))
     close_report["ladder"][-1]["effects"] = ["coulomb_friction@arm", "payload@pole"]
     told = verdict(explaining(close_report))
     assert "Together they explain 32 %" in told
