@@ -13,13 +13,14 @@ import pyarrow.parquet
 from dr_lab.errors import DataError
 from dr_lab.measurements.log_file import kind
 from dr_lab.measurements.row_numbers import RowNumbers
+from dr_lab.measurements.text_encoding import as_utf8
 from dr_lab.trajectory import Note
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # A number that may have a decimal comma, and one whose commas may be thousands separators instead.
 _COMMA, _THOUSANDS = r"^\s*[-+]?(\d+|\d*,\d+|\d+,)([eE][-+]?\d+)?\s*$", r"^\s*[-+]?([1-9]\d{0,2}(,\d{3})+|\d+)\s*$"
 _NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?")
-_LINES = re.compile("\r\n|\r|\n")  # in Latin-1 other bytes seem to end a line, which are letters of other alphabets
+_LINES = re.compile("\r\n|\r|\n")  # to Python other characters end a line, too
 _LOOK = 65536  # bytes from either end of a file that are looked at before it is read
 
 
@@ -44,7 +45,7 @@ def load(path: Path) -> Rows:
     The header tells what separates the columns of a CSV: commas, semicolons or tabs. Its numbers have decimal points,
     or all of them decimal commas; numbers of the other kind, or with thousands separators, are left as text. Where
     commas may be either and other columns have points, they stay text too. A last line that breaks off before its last
-    column is left out.
+    column is left out. Of encodings see `as_utf8`.
 
     Raises:
         DataError: empty or unreadable file.
@@ -53,11 +54,8 @@ def load(path: Path) -> Rows:
         text = kind(path) != ".parquet"
         table, notes = _csv(path) if text else (pyarrow.parquet.read_table(path), ())
         names = [name.strip() for name in table.column_names]
-    except UnicodeDecodeError as error:
-        raise DataError(
-            f"Cannot read {path}: it is no UTF-8 text ({error.reason} at byte {error.start} of a name); files saved as "
-            "Latin-1 or UTF-16 are none. Save it as UTF-8."
-        ) from error
+    except UnicodeError as error:
+        raise DataError(f"Cannot read {path}: {error}. Expected a table; save it as UTF-8 text.") from error
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0]
         raise DataError(f"Cannot read {path}: {reason}. Expected a header line and one row a sample.") from error
@@ -78,8 +76,8 @@ def missing_header(names: Sequence[str]) -> str:
 
 def _csv(path: Path) -> tuple[pa.Table, tuple[Note, ...]]:
     """The table, and what was found on reading it."""
-    content = pa.input_stream(path, compression="detect").read_buffer()
-    header, first, *_ = [*_LINES.split(bytes(content[:_LOOK]).decode("latin-1")), "", ""]
+    content, encoding = as_utf8(pa.input_stream(path, compression="detect").read_buffer())
+    header, first, *_ = [*_LINES.split(bytes(content[:_LOOK]).decode("utf-8", "replace")), "", ""]
     last = bytes(content[max(0, len(content) - _LOOK) :])
     unfinished = last.decode("utf-8", "replace").rpartition("\n")[2].strip()
     separator, decimal = _separator(header, first), "."
@@ -88,6 +86,8 @@ def _csv(path: Path) -> tuple[pa.Table, tuple[Note, ...]]:
         decimal = ","
         table, cut = _parsed(content, separator, decimal, unfinished)
     notes = []
+    if encoding:
+        notes.append(Note("encoding", "", f"{path.name} is no UTF-8 text; its names are read as {encoding}."))
     if separator != "," or decimal == ",":
         mark = " and numbers with decimal commas" if decimal == "," else ""
         notes.append(Note("separator", "", f"{path.name} is read as columns between {_SEPARATORS[separator]}{mark}."))

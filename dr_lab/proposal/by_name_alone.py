@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops
 from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.errors import DataError
 from dr_lab.proposal.drives import drives_of
@@ -50,6 +51,11 @@ def positions_by_name(
     return Positions(tuple(outputs), None, None, tuple(asked), drives_of(model, force), tuple(doubts))
 
 
+def coupled(model: mujoco.MjModel) -> bool:
+    """Whether equality constraints couple joints: no encoder shows their forces, which inverse dynamics needs."""
+    return ClosedLoops(model, np.ones(model.nv, bool)).closes()
+
+
 def _nothing_fits(joints: Sequence[str], logs: Survey) -> str:
     seen = [str(each.place) for each in logs.series]
     listed = f"The logs hold {', '.join(seen[:20])}{' …' if len(seen) > 20 else ''}."
@@ -86,6 +92,8 @@ def _by_range(series: Series, usual: str, reach: float) -> str:
 
 
 def _why_untested(model: mujoco.MjModel, lacking: Sequence[str]) -> str:
+    if coupled(model):
+        return "an equality constraint couples joints, and no encoder shows its force, which inverse dynamics needs"
     if lacking:
         return "not every joint is measured, which inverse dynamics needs"
     return (

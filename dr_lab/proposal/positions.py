@@ -7,7 +7,7 @@ import mujoco
 
 from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import say_same
-from dr_lab.proposal.by_name_alone import positions_by_name
+from dr_lab.proposal.by_name_alone import coupled, positions_by_name
 from dr_lab.proposal.command_units import factors
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
@@ -50,7 +50,7 @@ def find_positions(
     named, nameless = ([s for s in logs.named(kind) if s.moves] for kind in ("position", ""))
     unnamed = [] if len(named) >= len(joints) else no_velocities(nameless, nameless, settings)
     candidates = [*named, *unnamed]
-    scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq)
+    scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq) and not coupled(model)
     allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [*_commanding(model, logs), *unnamed]

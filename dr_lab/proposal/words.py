@@ -28,6 +28,9 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("mmps",), "mm/s", "velocity"),
     (("mps",), "m/s", "velocity"),
     (("rpm",), "rpm", "velocity"),
+    (("1", "min"), "rpm", "velocity"),
+    (("u", "min"), "rpm", "velocity"),
+    (("rev", "min"), "rpm", "velocity"),
     (("m", "nm"), "mN·m", "drive"),
     (("mnm",), "mN·m", "drive"),
     (("n", "m"), "N·m", "drive"),
@@ -56,7 +59,10 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("m",), "m", "position"),
 )
 _ALONE = {"rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "rad", "mrad"}  # units that are a whole name
-_VELOCITY = {"vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"}
+_VELOCITY = {
+    *("vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"),
+    *("drehzahl", "geschwindigkeit"),
+}
 _SUPPLY = re.compile(r"dc(bus|link)|[uv](bus|batt?|dc)(?![a-z])")  # of words without what is between them: DCbus, Vbat
 _OTHER = {
     *("acc", "accel", "acceleration", "accelerations", "qdd", "ddq", "error", "errors", "temperature", "temp"),
@@ -65,29 +71,34 @@ _OTHER = {
 }
 _REFERENCE = {
     *("ref", "reference", "des", "desired", "target", "goal", "setpoint", "cmd", "command", "commands", "commanded"),
-    *("action", "ctrl", "control", "controls", "con", "input", "set", "soll", "demand", "demanded"),
+    *("action", "ctrl", "control", "controls", "con", "input", "set", "soll", "sollwert", "demand", "demanded"),
 }
-_MEASURED = {"state", "states", "feedback", "actual", "meas", "measured"}
+_MEASURED = {"state", "states", "feedback", "actual", "meas", "measured", "ist", "istwert"}
 _DRIVE = {
     *("tau", "taus", "torque", "torques", "effort", "efforts", "force", "forces", "voltage", "duty", "pwm", "current"),
-    *("u", "motor", "act"),
+    *("u", "motor", "act", "strom", "spannung", "drehmoment", "moment", "kraft"),
 }
 _POSITION = {
     *("pos", "position", "positions", "q", "qpos", "angle", "angles", "theta", "phi", "psi", "alpha", "beta", "state"),
-    *("x", "y", "z", "enc", "encoder", "encoders", "joints"),
+    *("x", "y", "z", "enc", "encoder", "encoders", "joints", "winkel", "weg"),
 }
+# What ends a word that names a thing and its quantity at once, as in Motordrehzahl or jointangle; short ends are none.
+_ENDS = re.compile(
+    "(.{3,})(position|angle|velocity|speed|torque|force|current|voltage|winkel|drehzahl|geschwindigkeit|drehmoment|"
+    "kraft|strom|spannung)"
+)
 # Words of drives that are also said of what is measured, with the words they then go with: pos_act, current position.
 _PRESENT: dict[str, set[str]] = {
     "act": _POSITION - {"x", "y", "z", "state", "joints"},
     "current": {"pos", "position", "positions", "qpos", "angle", "angles"},
 }
-_ELECTRIC = {"current": "A", "voltage": "V"}
+_ELECTRIC = {"current": "A", "voltage": "V", "strom": "A", "spannung": "V"}
 _TORQUE_CURRENT = ("i", "q")  # of a motor that is driven by field orientation
 # Single letters that are units, with the words of quantities that are measured in them.
 _LETTERS: dict[str, set[str]] = {
-    "a": {"current", "i", "u"},
-    "v": {"voltage", "pwm", "u"},
-    "n": {"force", "forces", "effort", "efforts", "u"},
+    "a": {"current", "strom", "i", "u"},
+    "v": {"voltage", "spannung", "pwm", "u"},
+    "n": {"force", "forces", "kraft", "effort", "efforts", "u"},
     "m": _POSITION - {"angle", "angles", "theta", "phi", "psi", "alpha", "beta"},
 }
 
@@ -110,7 +121,13 @@ _GENERIC = {
     *("j", "states", "feedback", "applied", "per", "s", "values", "controller", "position", "velocity", "group"),
 }
 _UNTELLING = (
-    _GENERIC | _VELOCITY | _REFERENCE | _OTHER | _DRIVE | _MEASURED | {"pos", "positions", "q", "qpos", "angle"}
+    _GENERIC
+    | _VELOCITY
+    | _REFERENCE
+    | _OTHER
+    | _DRIVE
+    | _MEASURED
+    | {"pos", "positions", "q", "qpos", "angle", "winkel", "weg", "°"}
 )
 
 
@@ -135,8 +152,13 @@ class Words:
 
 
 def tokens(text: str) -> list[str]:
-    """Lower-case words and numbers of a name."""
-    return [word.lower() for word in _WORD.findall(text.translate(_MICRO))]
+    """Lower-case words and numbers of a name; compound words are taken apart."""
+    return [part for word in _WORD.findall(text.translate(_MICRO)) for part in _parts(word.lower())]
+
+
+def _parts(word: str) -> tuple[str, ...]:
+    found = _ENDS.fullmatch(word)
+    return found.groups() if found else (word,)
 
 
 def told_apart(paths: Iterable[str]) -> frozenset[tuple[str, ...]]:

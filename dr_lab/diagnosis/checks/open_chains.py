@@ -52,7 +52,10 @@ class OpenChain(NamedTuple):
             f"half of the positions, where noise opens them by {self.noise:.2g}."
         )
         if self.mending is None:
-            return f"{told} A zero, direction or unit of a channel is wrong, or a length of the model."
+            return (
+                f"{told} A zero, direction or unit of a channel is wrong, or a length of the model; or a chain gives "
+                "way, as a belt that stretches."
+            )
         turned = ", and sign turned" if self.mending.sign < 0 else ""
         return (
             f"{told} {self.mending.channel} closes them with offset {self.mending.offset:.6g} (rad or m) added{turned}."

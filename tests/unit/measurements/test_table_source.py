@@ -12,7 +12,7 @@ import pyarrow.parquet
 import pytest
 
 from dr_lab.errors import DataError, UnknownNameError
-from dr_lab.measurements import log_file
+from dr_lab.measurements import log_file, text_encoding
 from dr_lab.measurements.signal_map import channel_map
 from dr_lab.measurements.table import TableSource
 from dr_lab.measurements.table_file import load
@@ -232,11 +232,37 @@ def test_a_separator_of_names_is_one_of_rows(tmp_path: Path, name: str, row: str
     assert load(path).table.column_names == ["t", name]
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
-def test_names_in_another_encoding_than_utf_8_are_refused(tmp_path: Path, encoding: str) -> None:
+@pytest.mark.parametrize(
+    ("encoding", "said"), [("latin-1", "Latin-1"), ("utf-16", "UTF-16"), ("utf-8", ""), ("utf-8-sig", "")]
+)
+def test_names_are_read_in_the_encoding_that_they_were_saved_in(tmp_path: Path, encoding: str, said: str) -> None:
     path = tmp_path / "a.csv"
-    path.write_bytes("t,q [°]\n0,1\n".encode(encoding))
-    with pytest.raises(DataError, match=r"Cannot read .* it is no UTF-8 text .* Save it as UTF-8"):
+    path.write_bytes("t;q [°];état\r\n0;1,5;prêt\r\n1;2,5;prêt\r\n".encode(encoding))
+    rows = load(path)
+    assert rows.table.column_names == ["t", "q [°]", "état"]
+    assert rows.table["q [°]"].to_pylist() == [1.5, 2.5]
+    told = [note.message for note in rows.notes if note.kind == "encoding"]
+    assert told == ([f"a.csv is no UTF-8 text; its names are read as {said}."] if said else [])
+
+
+def test_a_letter_of_two_bytes_that_is_read_in_two_parts_is_utf_8(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(text_encoding, "_CHUNK", 6)
+    path = tmp_path / "a.csv"
+    path.write_bytes("t,q [°]\n0,1\n".encode())  # the sixth and seventh bytes are one letter
+    assert load(path).table.column_names == ["t", "q [°]"]
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [("t,q\n0,1\n".encode("utf-16") + b"\x31", "truncated data"), (b"t,q\n\0\x91", "it holds zero bytes")],
+    ids=["half a letter of UTF-16", "no text"],
+)
+def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes, why: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=rf"Cannot read .*a\.csv: .*{why}.* Expected a table; save it as UTF-8 text"):
         load(path)
 
 

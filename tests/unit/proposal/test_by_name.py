@@ -54,6 +54,24 @@ def test_a_force_may_drive_a_slide() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "kind", "unit", "identity"),
+    [
+        ("Motordrehzahl [1/min]", "velocity", "rpm", set()),
+        ("Drehzahl [U/min]", "velocity", "rpm", set()),
+        ("Schlittenposition [mm]", "position", "mm", {"schlitten"}),
+        ("Armwinkel [°]", "position", "", {"arm"}),
+        ("Sollstrom [A]", "drive", "A", set()),
+        ("ElbowAngle_deg", "position", "deg", {"elbow"}),
+        ("elbowtorque", "drive", "", {"elbow"}),
+        ("position", "position", "", set()),
+    ],
+)
+def test_a_word_that_names_a_thing_and_its_quantity_is_two(name: str, kind: str, unit: str, identity: set[str]) -> None:
+    words = read_name("", name, "")
+    assert (words.kind, words.unit, words.identity) == (kind, unit, identity)
+
+
+@pytest.mark.parametrize(
     ("name", "kind"),
     [
         ("hook_load_N", "other"),
