@@ -8,7 +8,7 @@ from dr_lab.proposal.by_name import matches, said_of
 from dr_lab.proposal.command_units import factors
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.survey import Series
-from dr_lab.proposal.words import tokens
+from dr_lab.proposal.tokens import tokens
 
 _AXES = ({"x"}, {"y"}, {"z"})
 _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)

@@ -13,6 +13,7 @@ from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
 from dr_lab.proposal.drives import drives_of
 from dr_lab.proposal.grid import wrapped
+from dr_lab.proposal.jumping import jumps
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.mounting import worn
 from dr_lab.proposal.output import Output, Positions
@@ -49,7 +50,7 @@ def find_positions(
     joints = [model.joint(i).name for i in range(model.njnt)]
     named, nameless = ([s for s in logs.named(kind) if s.moves] for kind in ("position", ""))
     unnamed = [] if len(named) >= len(joints) else no_velocities(nameless, nameless, settings)
-    candidates = [*named, *unnamed]
+    candidates = [*named, *(each for each in unnamed if not jumps(each, settings))]
     scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq) and not coupled(model)
     allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)

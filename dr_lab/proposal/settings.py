@@ -36,6 +36,8 @@ class ProposalSettings:
         rests_after: s after a command's step from which a joint may be at rest.
         rests_moved: share of a position's range within which it rests.
         rests_off: share of the rests' range by which they may miss a line, and the line zero.
+        jump: share of its range by which a series without a name for it jumps at once that is no position …
+        jump_samples: … if it changes from one sample to the next in no more than this share of them.
         derivative: least correlation of a velocity with its position's derivative.
         alike: least correlation of two series that are of one motion.
         held_out: share of the logs that are never fitted.
@@ -81,6 +83,8 @@ class ProposalSettings:
     rests_after: Positive
     rests_moved: Share
     rests_off: Share
+    jump: Share
+    jump_samples: Share
     derivative: Share
     alike: Share
     held_out: Share

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pyarrow as pa
 
-from dr_lab.proposal.words import tokens
+from dr_lab.proposal.tokens import tokens
 from dr_lab.trajectory import Array
 
 _SECONDS = {"s", "sec", "secs", "second", "seconds"}

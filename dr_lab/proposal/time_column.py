@@ -12,7 +12,7 @@ from dr_lab.measurements.inventory import by_name
 from dr_lab.measurements.raw_log import TimeAxis
 from dr_lab.measurements.table_file import load, missing_header
 from dr_lab.proposal.split_clock import split_clocks
-from dr_lab.proposal.words import tokens
+from dr_lab.proposal.tokens import tokens
 
 _CLOCK_WORDS = (
     *("t", "time", "timestamp", "stamp", "clock", "sec", "seconds", "secs", "ts", "elapsed"),

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from dr_lab.proposal.survey import Series
-from dr_lab.proposal.words import tokens
+from dr_lab.proposal.tokens import tokens
 from dr_lab.trajectory import Array
 
 VectorKind = Literal["position", "orientation", "rate", "acceleration"]

@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
+from dr_lab.proposal.tokens import tokens
+
 Kind = Literal["position", "velocity", "drive", "reference", "asked velocity", "other", ""]
 
-_MICRO = str.maketrans("µμ", "uu")  # the sign and the Greek letter
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
 # Units as the last words of a name, the longest first, with the quantity that they say.
 _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("rad", "per", "s"), "rad/s", "velocity"),
@@ -61,7 +61,7 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
 _ALONE = {"rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "rad", "mrad"}  # units that are a whole name
 _VELOCITY = {
     *("vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"),
-    *("drehzahl", "geschwindigkeit"),
+    *("drehzahl", "geschwindigkeit", "velocidad", "vitesse"),
 }
 _SUPPLY = re.compile(r"dc(bus|link)|[uv](bus|batt?|dc)(?![a-z])")  # of words without what is between them: DCbus, Vbat
 _OTHER = {
@@ -77,16 +77,12 @@ _MEASURED = {"state", "states", "feedback", "actual", "meas", "measured", "ist",
 _DRIVE = {
     *("tau", "taus", "torque", "torques", "effort", "efforts", "force", "forces", "voltage", "duty", "pwm", "current"),
     *("u", "motor", "act", "strom", "spannung", "drehmoment", "moment", "kraft"),
+    *("corriente", "voltaje", "courant"),
 }
 _POSITION = {
     *("pos", "position", "positions", "q", "qpos", "angle", "angles", "theta", "phi", "psi", "alpha", "beta", "state"),
-    *("x", "y", "z", "enc", "encoder", "encoders", "joints", "winkel", "weg"),
+    *("x", "y", "z", "enc", "encoder", "encoders", "joints", "winkel", "weg", "angulo", "posicion"),
 }
-# What ends a word that names a thing and its quantity at once, as in Motordrehzahl or jointangle; short ends are none.
-_ENDS = re.compile(
-    "(.{3,})(position|angle|velocity|speed|torque|force|current|voltage|winkel|drehzahl|geschwindigkeit|drehmoment|"
-    "kraft|strom|spannung)"
-)
 # Words of drives that are also said of what is measured, with the words they then go with: pos_act, current position.
 _PRESENT: dict[str, set[str]] = {
     "act": _POSITION - {"x", "y", "z", "state", "joints"},
@@ -127,7 +123,7 @@ _UNTELLING = (
     | _OTHER
     | _DRIVE
     | _MEASURED
-    | {"pos", "positions", "q", "qpos", "angle", "winkel", "weg", "°"}
+    | {"pos", "positions", "q", "qpos", "angle", "winkel", "weg", "angulo", "posicion", "°"}
 )
 
 
@@ -149,16 +145,6 @@ class Words:
     asked: bool
     identity: frozenset[str]
     number: int | None
-
-
-def tokens(text: str) -> list[str]:
-    """Lower-case words and numbers of a name; compound words are taken apart."""
-    return [part for word in _WORD.findall(text.translate(_MICRO)) for part in _parts(word.lower())]
-
-
-def _parts(word: str) -> tuple[str, ...]:
-    found = _ENDS.fullmatch(word)
-    return found.groups() if found else (word,)
 
 
 def told_apart(paths: Iterable[str]) -> frozenset[tuple[str, ...]]:

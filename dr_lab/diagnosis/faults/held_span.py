@@ -33,7 +33,8 @@ def held_spans(fit: DriveFit, known: float, settings: FaultSettings) -> list[Hel
     What rests needs no inertia, and what it needs beside the actuators' force the joint itself must hold. Gravity,
     inertia and friction of the model are fitted, within what a nominal model may be wrong, to the motion elsewhere.
     A joint is held where `settings.breakaway` times that friction, and `settings.held_margin` standard deviations of
-    what the motion leaves, are less than what is needed.
+    what the motion leaves, are less than what is needed, by the fit and by the model itself: a fitted constant may ask
+    for a force where nothing acts.
 
     Args:
         fit: of the joint, without a drive.
@@ -59,12 +60,12 @@ def _held(fit: DriveFit, known: float, still: Mask, span: slice, settings: Fault
     if fit.time[span][-1] - fit.time[span][0] < settings.shortest_held or moving.sum() < settings.fewest:
         return None
     found = fit.gain(0.0, 0.0, moving)
-    unexplained = abs(float(np.median(found.rest[span])))
+    needed, unexplained = (abs(float(np.median(values[span]))) for values in (fit.need, found.rest))
     friction = known + found.friction * float(np.abs(fit.others[moving, FRICTION]).max())
     left = np.sqrt(found.left / moving.sum())
-    if unexplained <= settings.breakaway * friction + settings.held_margin * left:
+    if min(needed, unexplained) <= settings.breakaway * friction + settings.held_margin * left:
         return None
-    return HeldSpan(span, abs(float(np.median(fit.need[span]))), friction)
+    return HeldSpan(span, needed, friction)
 
 
 def _leading(still: Mask) -> slice | None:

@@ -86,3 +86,26 @@ def test_what_an_actuator_may_hold_whose_commands_are_not_logged_is_not_told() -
 
 def test_a_short_rest_is_not_told() -> None:
     assert faults(np.concatenate([np.full(100, START), swing()])) == ()
+
+
+def test_what_rests_until_it_is_driven_was_not_held_though_the_drive_is_weaker_than_its_model_says() -> None:
+    """A constant then takes the place of what the drive lacks, and would move it at rest, where nothing acts."""
+    thrust = "<motor name='thrust' joint='hinge' gear='{gear}'/>"
+    xml = XML.format(mass=0.5, friction=0.0).replace("</mujoco>", f"<actuator>{thrust}</actuator></mujoco>")
+    truth = mujoco.MjModel.from_xml_string(xml.format(gear=0.7))
+    data, count = mujoco.MjData(truth), round(2 * LENGTH / STEP)
+    path, command = np.zeros(count), np.where(np.arange(count) < 0.1 * count, 0.0, 0.8)
+    for k in range(count):
+        path[k], data.ctrl[0] = data.qpos[0], command[k]
+        mujoco.mj_step(truth, data)
+    noise, time = np.random.default_rng(0).normal(0.0, NOISE, count), clock(count, STEP)
+    log = Log(
+        "log",
+        {"hinge.position": Signal("hinge.position", "rad", time, path + noise)},
+        {"thrust": Signal("thrust", "1", time, command)},
+    )
+    measured = MeasurementSet(
+        "rod", (log,), (), {"hinge.position": Noise(NOISE, "rad", "given")}, {"hinge.position": 0.02}
+    )
+    model = from_spec("rod", mujoco.MjSpec.from_string(xml.format(gear=1.0)), {})
+    assert not [fault for fault in suspected(model, measured, fault_settings()) if fault.kind == "held"]

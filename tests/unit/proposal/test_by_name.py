@@ -64,6 +64,7 @@ def test_a_force_may_drive_a_slide() -> None:
         ("ElbowAngle_deg", "position", "deg", {"elbow"}),
         ("elbowtorque", "drive", "", {"elbow"}),
         ("position", "position", "", set()),
+        ("Ángulo", "position", "", set()),
     ],
 )
 def test_a_word_that_names_a_thing_and_its_quantity_is_two(name: str, kind: str, unit: str, identity: set[str]) -> None:
