@@ -13,6 +13,7 @@ from dr_lab.reports.quantity import number, percent
 _NONE = "**No missing effect:** the logs support no effect beyond the plain model."
 _SHORT = 4  # models that a sentence lists: as given, calibrated, and with two effects
 _KNOWN = 1.1  # times; χ² of noise whose standard deviation is known within 5 %
+_TOO_LOW = 0.5  # χ² that noise leaves whose standard deviation was taken for 1.4 times as large
 _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 
 
@@ -175,6 +176,12 @@ def _remaining(report: GapReport) -> str:
     times = f"{number(remaining.chi2**0.5, 2)} times" if remaining.chi2 is not None else "far above"
     if remaining.status == "at_floor" and remaining.coloured:
         return f"What remains, {times} the sensors' white noise, is too rough and too even for a force: coloured noise."
+    if remaining.status == "at_floor" and remaining.chi2 is not None and remaining.chi2 < _TOO_LOW:
+        share = number(remaining.chi2**0.5, 2)
+        return (
+            f"What remains is {share} times the noise that was estimated: **the noise is less, and what is smaller than "
+            "it was taken to be is not seen.** Give `noise_std` in `measurements.outputs`, or record at a higher rate."
+        )
     if remaining.status == "at_floor":
         return "What remains is noise."
     told = f"What remains (χ² {number(remaining.chi2)}) is above the noise floor"

@@ -151,6 +151,16 @@ def test_a_calibration_that_got_worse_is_not_blamed_on_what_the_model_came_with(
     assert "coulomb_friction" not in told
 
 
+@pytest.mark.parametrize(
+    ("chi2", "said"),
+    [(0.98, "What remains is noise."), (0.04, "What remains is 0.2 times the noise that was estimated")],
+)
+def test_noise_that_was_estimated_too_large_is_told(close_report: dict[str, Any], chi2: float, said: str) -> None:
+    told = verdict(close_report | {"remaining": {"status": "at_floor", "chi2": chi2}})
+    assert said in told
+    assert ("Give `noise_std`" in told) == (chi2 < 0.5)
+
+
 def test_what_was_added_to_the_effects_of_a_model_is_named_alone(close_report: dict[str, Any]) -> None:
     told = verdict(explaining(begun_with_friction(close_report, ["spring@arm"]), low=0.1))
     assert told.startswith("**The missing effect is named:** `spring@arm`. It explains 32 % (10 % … 100 %) of what")
