@@ -177,10 +177,10 @@ def _remaining(report: GapReport) -> str:
     if remaining.status == "at_floor" and remaining.coloured:
         return f"What remains, {times} the sensors' white noise, is too rough and too even for a force: coloured noise."
     if remaining.status == "at_floor" and remaining.chi2 is not None and remaining.chi2 < _TOO_LOW:
-        share = number(remaining.chi2**0.5, 2)
+        times = number(remaining.chi2**0.5, 2)
         return (
-            f"What remains is {share} times the noise that was estimated: **the noise is less, and what is smaller than "
-            "it was taken to be is not seen.** Give `noise_std` in `measurements.outputs`, or record at a higher rate."
+            f"What remains is {times} times the noise that was estimated: **the noise is less, and what is smaller "
+            "than it was taken to be is not seen.** Give `noise_std` in `measurements.outputs`, or record at a higher rate."
         )
     if remaining.status == "at_floor":
         return "What remains is noise."
