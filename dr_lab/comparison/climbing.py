@@ -96,7 +96,7 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
         why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"
         watch.phase(f"{why}: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), first[1] if doubtful else None)
-        if longer is None:
+        if longer is None or _dropped(study, longer) > study.settings.windows.most_dropped:
             break
         watch.phase("Calibrating the model")
         ladder = _ladder(longer, effects, most, watch, _calibrated_from(longer, first[1].base))
@@ -125,7 +125,7 @@ def _as_long_as_noise(
     for length in lengths[1:]:
         watch.phase(f"Only noise is left: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), None)
-        if longer is None:
+        if longer is None or _dropped(study, longer) > study.settings.windows.most_dropped:
             break
         base = _calibrated_from(longer, first[1].base)
         if not _grows(first[1].base.held_out, base.held_out, longer.bench.evidence):
@@ -205,6 +205,12 @@ def _with_windows(study: Study, length: float, tries: int, doubtful: Ladder | No
         )
     except DataError:
         return None
+
+
+def _dropped(study: Study, longer: Study) -> float:
+    """Share of the logs that have no room for longer windows."""
+    before, left = ({*each.bench.fit.logs, *each.bench.held_out.logs} for each in (study, longer))
+    return len(before - left) / len(before)
 
 
 def _left(ladder: Ladder) -> float:

@@ -7,7 +7,7 @@ from pathlib import Path
 from dr_lab.comparison.export import write_context, write_model, write_rollout
 from dr_lab.comparison.notes import DISAGREEING
 from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
-from dr_lab.comparison.plain_file import file_note
+from dr_lab.comparison.plain_file import EXPORT, file_note
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.write_simulated import write_simulated
@@ -38,6 +38,7 @@ _SHOWN = 6  # candidates on the screen
 _SHOWN_LATER = 3  # candidates beside each later model that got an effect
 _LISTED = 12  # parameters on the screen
 _NOTED = 4  # notes on the screen
+_OF_FILES = ("separator", "encoding", "cut")  # kinds of notes that say how a file was read
 
 
 @dataclass(frozen=True)
@@ -138,8 +139,9 @@ def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> 
     return finite(replace(report, notes=tuple(every), run=str(run_dir)))
 
 
-def _importance(note: NoteEntry, kept: Container[str]) -> tuple[bool, bool, bool, bool]:
-    return (note.kind != FAULT, note.kind != DISAGREEING, not _concerns(note, kept), note.log is not None)
+def _importance(note: NoteEntry, kept: Container[str]) -> tuple[bool, ...]:
+    first = (note.kind != kind for kind in (FAULT, DISAGREEING, EXPORT))
+    return (*first, not _concerns(note, kept), note.kind in _OF_FILES, note.log is not None)
 
 
 def _concerns(note: NoteEntry, kept: Container[str]) -> bool:
@@ -234,7 +236,7 @@ def _export(
     if forces := learned_forces(models[AFTER][0]):
         write_learned_forces(run_dir, forces)
     exported, lacking = write_model(run_dir / "model.xml", *models[AFTER])
-    notes = [NoteEntry(sentence, "export") for sentence in lacking]
+    notes = [NoteEntry(sentence, EXPORT) for sentence in lacking]
     if lacking:
         notes.append(file_note(study, run_dir / "model.xml", exported, chi2))
     return {**models, AFTER: (exported, exported.space.nominal)}, notes

@@ -15,6 +15,7 @@ from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.quantity import number
 from dr_lab.trajectory import Array
 
+EXPORT = "export"  # kind of the notes on what a written model lacks
 _COULOMB, _TORQUE = "coulomb_friction", "torque"
 _LAG, _TAU = "actuator_lag", "tau"
 
@@ -129,4 +130,4 @@ def file_note(study: Study, path: Path, found: Model, chi2: float | None) -> Not
         f"Played by MuJoCo alone, model.xml leaves χ² {number(score.chi2)}, the model found {number(chi2)}. "
         "model=from_run model.run=RUN has all of it, in every verb of dr-lab."
     )
-    return NoteEntry(message, "export")
+    return NoteEntry(message, EXPORT)

@@ -21,6 +21,7 @@ class WindowSettings:
         length: scored part of a window, and the time between the starts of two windows, so that no sample counts twice.
         longest: the longest length that is tried where a gap remains that shorter windows do not explain.
         longer: factor from one length that is tried to the next.
+        most_dropped: share of the logs that may have no room for longer windows, else those are not tried.
         seconds: scored time in all that is taken of the logs that are fitted, and as much of those that score, evenly
             spread over each log; one window of each log at least.
         margin: simulated time before and after the scored part, which delayed outputs may reach into.
@@ -50,6 +51,7 @@ class WindowSettings:
     length: Positive
     longest: Positive
     longer: Annotated[float, at_least(1.1)]
+    most_dropped: Share
     seconds: Positive
     margin: NotNegative
     run_in: NotNegative

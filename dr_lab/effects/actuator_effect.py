@@ -26,6 +26,7 @@ class ActuatorEffect(Effect):
     """
 
     sizeless: ClassVar[bool] = False
+    by_command: ClassVar[bool] = True
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the actuators at which it can sit, and what stands for all of them."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 import mujoco
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, slides
+from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, require_place, slides
 from dr_lab.effects.periodic import PERIODS, Periodic, a_radian_a_step, half_a_period
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
@@ -45,6 +45,7 @@ class Cogging(JointEffect, Periodic, SpecEdit):
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The amplitudes of the two phases and the number of periods."""
+        require_place(model, site, scales)
         bound = max(self.factor * scales.torque.get(site, 0.0), self.least)
         unit = "N" if slides(model, site) else "N·m"
         phases = (Parameter(phase, unit, 0.0, -bound, bound) for phase in ("sine", "cosine"))

@@ -33,6 +33,7 @@ class Scales:
         speed: 95th percentile of |q̇| by joint, rad/s or m/s.
         torque: RMS generalised force needed for the measured motion by joint, N·m or N.
         command: largest |command| by actuator, in the command's unit.
+        uncommanded: actuators whose command no log holds.
         unmeasured: joints of which no channel tells the position.
         unknown: joints of which neither a channel nor the nominal model's motion tells a magnitude.
     """
@@ -42,6 +43,7 @@ class Scales:
     speed: Mapping[str, float]
     torque: Mapping[str, float]
     command: Mapping[str, float]
+    uncommanded: frozenset[str] = frozenset()
     unmeasured: frozenset[str] = frozenset()
     unknown: frozenset[str] = frozenset()
 
@@ -89,6 +91,7 @@ class Effect(ABC):
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
         argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
             actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; otherwise empty.
+        by_command: whether it makes something else of an actuator's command, which logs must hold then.
         attached: whether somebody attaches it to the machine: it is absent from logs that were recorded without, where
             the measurements tell which these are.
         patience: factor on the number of iterations after which a start away from absent is judged.
@@ -107,6 +110,7 @@ class Effect(ABC):
     limited: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
     argument: ClassVar[str] = ""
+    by_command: ClassVar[bool] = False
     attached: ClassVar[bool] = False
     patience: ClassVar[int] = 1
 
@@ -240,8 +244,8 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
 
     Raises:
         UnknownNameError: the effect cannot sit there; the message lists where it can.
-        ModelError: the effect acts in no part of the physics or declares no parameter, the size of its bounds is not
-            known, or the model's file has it.
+        ModelError: the effect acts in no part of the physics or declares no parameter, no log holds the command that it
+            changes, the size of its bounds is not known, or the model's file has it.
     """
     sites = effect.sites(model)
     if site not in sites:
@@ -250,6 +254,8 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
         names = ", ".join(part.__name__ for part in _ACTING)
         raise ModelError(f"Effect {effect.name!r} does nothing. Derive {type(effect).__name__} from one of {names}.")
     elements = effect.elements(model, site)
+    if effect.by_command and (blind := sorted({*elements} & scales.uncommanded)):
+        raise ModelError(f"No log holds the command of {', '.join(blind)}, of which it would make something else.")
     sized = scales.most_used(elements)
     short = effect.parameters(model, sized, scales)
     if not short:

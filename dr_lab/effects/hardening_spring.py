@@ -8,7 +8,7 @@ import mujoco
 from numpy.polynomial import Polynomial
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, slides
+from dr_lab.effects.joint_effect import JointEffect, require_place, slides
 from dr_lab.effects.joint_spring import add_spring
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
@@ -51,6 +51,7 @@ class HardeningSpring(JointEffect, SpecEdit):
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The cubic coefficient and the rest position."""
+        require_place(model, site, scales)
         span, slide = scales.position.get(site, 0.0), slides(model, site)
         high = self.factor * scales.torque.get(site, 0.0) / (span / 2) ** 3 if span else 0.0
         high, reach = max(high, self.least), max(self.reach * span, self.least_reach)

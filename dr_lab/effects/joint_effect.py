@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.effects.effect import Effect
+from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.force_range import AT_A_JOINT, leave_force_range_to_drive
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.naming import joints
@@ -25,6 +25,16 @@ class JointEffect(Effect):
 def slides(model: mujoco.MjModel, joint: str) -> bool:
     """Whether the joint is a slide, whose position is in m and whose generalised force is in N."""
     return int(model.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+def require_place(model: mujoco.MjModel, joint: str, scales: Scales) -> None:
+    """Refuse what acts by the place of a hinge that turns on and on while no channel tells where it is.
+
+    Raises:
+        ModelError: so it is; a velocity alone tells how far a joint swings, but not how often it has turned.
+    """
+    if joint in scales.unmeasured and not slides(model, joint) and scales.position.get(joint, 0.0) > 2 * np.pi:
+        raise ModelError("No channel tells where the joint is, and it turns by more than a turn.")
 
 
 def driven(model: mujoco.MjModel, joint: str) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import slides
+from dr_lab.effects.joint_effect import require_place, slides
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
@@ -59,7 +59,7 @@ class PositionDependentFriction(DryFrictionEffect, ForceLaw):
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The mean, and the two phases of its change in shares of it."""
-        del model
+        require_place(model, site, scales)
         high = max(self.factor * scales.torque.get(site, 0.0), self.least)
         shares = (Parameter(phase, "1", 0.0, -1.0, 1.0) for phase in ("sine", "cosine"))
         return (Parameter("mean", "N·m", 0.0, 0.0, high), *shares)

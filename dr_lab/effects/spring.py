@@ -8,7 +8,7 @@ import mujoco
 from numpy.polynomial import Polynomial
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, slides
+from dr_lab.effects.joint_effect import JointEffect, require_place, slides
 from dr_lab.effects.joint_spring import add_spring
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
@@ -55,6 +55,7 @@ class Spring(JointEffect, SpecEdit):
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The stiffness and the rest position."""
+        require_place(model, site, scales)
         span = scales.position.get(site, 0.0)
         high = self.factor * scales.torque.get(site, 0.0) / span if span else 0.0
         zero = float(model.qpos0[model.joint(site).qposadr[0]])

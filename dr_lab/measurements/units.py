@@ -53,6 +53,8 @@ def unit(text: str) -> Unit:
         DataError: there is no such unit, or it has an offset (°C).
     """
     registry = _registry()
+    if text.lower() == "grad":  # German for degrees, and pint's name of a four-hundredth of a turn
+        raise DataError("The unit 'grad' may be a degree or a gon. Write deg, or gon.")
     try:
         parsed = registry.Unit("" if text == "1" else _NEWTON_METRE.sub(r"\1*m", text))
         base = registry.Quantity(1.0, parsed).to_base_units()

@@ -127,7 +127,7 @@ def choose_commands(
         outcome: the chosen reading of the positions, tried.
         settings: which share a command must explain.
     """
-    named, _ = _named(drives, series)
+    named, said = _named(drives, series)
     offers = []
     for k, drive in enumerate(drives):
         mine = {*named[k]} & {*usable}
@@ -142,6 +142,7 @@ def choose_commands(
     for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
         explained = explains(given, drives[k], outcome, settings)
         alone = len([place for place in {*named[k]} & commanding if _takes(drives[k], series[place])]) == 1
+        alone &= not drives[k].added or given.series in said or len(drives) == 1  # else it may be another one's
         if k not in chosen and (explained or alone) and given.series not in {g.series for g in chosen.values()}:
             chosen[k] = given
     return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))

@@ -11,6 +11,9 @@ _ENDS = re.compile(
     "kraft|strom|spannung)"
 )
 
+_OFTEN_CUT, _LETTERS = ("velocity", "velocidad", "reference", "referencia", "position", "posicion"), 6
+_ASKED = re.compile("(soll)(.{3,})")  # German compounds begin so: Sollweg
+
 
 def tokens(text: str) -> list[str]:
     """Lower-case words and numbers of a name, without accents; compound words are taken apart."""
@@ -19,5 +22,12 @@ def tokens(text: str) -> list[str]:
 
 
 def _parts(word: str) -> tuple[str, ...]:
-    found = _ENDS.fullmatch(word)
-    return found.groups() if found else (word,)
+    for pattern in (_ASKED, _ENDS):
+        if found := pattern.fullmatch(word):
+            return tuple(part for whole in found.groups() for part in _parts(whole))
+    return (_whole(word),)
+
+
+def _whole(word: str) -> str:
+    """The word that programs cut which store eight letters: VELOCIDA, REFERENC."""
+    return next((each for each in _OFTEN_CUT if len(word) >= _LETTERS and each.startswith(word)), word)

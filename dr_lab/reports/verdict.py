@@ -180,7 +180,7 @@ def _remaining(report: GapReport) -> str:
         times = number(remaining.chi2**0.5, 2)
         return (
             f"What remains is {times} times the noise that was estimated: **the noise is less, and what is smaller "
-            "than it was taken to be is not seen.** Give `noise_std` in `measurements.outputs`, or record at a higher rate."
+            "than it was taken to be is not seen.** Give `noise_std` in `measurements.outputs`, or record faster."
         )
     if remaining.status == "at_floor":
         return "What remains is noise."

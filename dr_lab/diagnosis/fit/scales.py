@@ -35,7 +35,13 @@ def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) 
     qpos, qvel, qacc = (np.concatenate([s[i] for s in states]) for i in range(3))
     measured = {name for log in logs for name in log.outputs}
     unmeasured = frozenset(joint for joint, c in _joints(model).items() if c.name not in measured)
-    return replace(_scales(model, qpos, qvel, qacc), command=_commands(model, logs), unmeasured=unmeasured)
+    names = {model.actuator(row).name for row in range(model.nactuator)}
+    return replace(
+        _scales(model, qpos, qvel, qacc),
+        command=_commands(model, logs),
+        uncommanded=frozenset(names - {name for log in logs for name in log.commands}),
+        unmeasured=unmeasured,
+    )
 
 
 def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:

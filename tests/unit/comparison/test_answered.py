@@ -73,6 +73,16 @@ def test_notes_on_rejected_candidates_stand_last_and_in_the_file_alone(
     assert "… and 1 more in report.md" in shown
 
 
+def test_what_the_written_model_lacks_comes_first_and_how_files_were_read_last(
+    close_report: dict[str, Any], look: Look, tmp_path: Path
+) -> None:
+    kinds = ("separator", "time_step", "export", "encoding")
+    told = replace(report(close_report), notes=tuple(NoteEntry(f"{kind}.", kind) for kind in kinds))
+    save(told, Run(tmp_path, look, cast(Any, SimpleNamespace(show=lambda _: None))))
+    written = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["notes"]
+    assert [note["kind"] for note in written] == ["export", "time_step", "separator", "encoding"]
+
+
 def test_the_screen_and_the_file_tell_the_same_share_of_failure(close_report: dict[str, Any]) -> None:
     """38 % of the squared error is another part of the error itself."""
     told = report(close_report)

@@ -58,7 +58,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Windowed:
-    """A study of logs that have room for windows of a certain length; only its settings are known."""
+    """A study of logs that have room for windows of a certain length, most for those of another; else unknown."""
 
     settings: ComparisonSettings
     room: float
@@ -66,10 +66,13 @@ class Windowed:
     compiled: None = None
 
     unlogged: object = None
+    short: float = 9.0
 
     @property
     def bench(self) -> SimpleNamespace:
-        return SimpleNamespace(evidence=self.settings.evidence, fit=SimpleNamespace(unlogged=self.unlogged))
+        logs = ("a", "b", "c", "d") if self.settings.windows.length <= self.short else ("a",)
+        fit = SimpleNamespace(unlogged=self.unlogged, logs=logs)
+        return SimpleNamespace(evidence=self.settings.evidence, fit=fit, held_out=SimpleNamespace(logs=logs[:1]))
 
     def with_settings(self, settings: ComparisonSettings) -> "Windowed":
         if settings.windows.length > self.room:
@@ -139,6 +142,18 @@ def test_the_shortest_windows_that_explain_the_gap(
     assert found.settings.windows.length == pytest.approx(length)
     assert ladder.verdict(evidence) == kind
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
+
+
+@pytest.mark.parametrize(("first", "short", "length"), [(NOTHING, 0.5, 0.3), (NOTHING, 9.0, 0.9), (NOISE, 0.5, 0.3)])
+def test_windows_for_which_most_logs_have_no_room_are_not_asked(
+    monkeypatch: pytest.MonkeyPatch, first: Answer, short: float, length: float
+) -> None:
+    answers = iter([first, NAMED])
+    monkeypatch.setattr(climbing, "_ladder", lambda *_: next(answers))
+    monkeypatch.setattr(climbing, "_calibrated_from", lambda *_: fitted(9.0))
+    settings = comparison_settings(windows=windows_settings(length=0.3, longest=2.7))
+    study = cast(Study, Windowed(settings, 9.0, short=short))
+    assert climbing.climbed(study, {}, most=1, watch=Silence())[0].settings.windows.length == pytest.approx(length)
 
 
 def test_longer_windows_are_not_asked_of_commands_that_changed_unlogged(monkeypatch: pytest.MonkeyPatch) -> None:

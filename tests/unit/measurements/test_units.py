@@ -139,3 +139,10 @@ def test_a_joint_faster_than_any_is_suspected(contract: DataContract) -> None:
 def test_a_misspelt_unit_is_told_the_nearest(text: str, meant: str) -> None:
     with pytest.raises(DataError, match=f"There is no unit {text!r} .*Did you mean {meant!r}"):
         unit(text)
+
+
+@pytest.mark.parametrize("text", ["grad", "Grad"])
+def test_a_degree_in_german_is_no_gon(text: str) -> None:
+    with pytest.raises(DataError, match=r"may be a degree or a gon\. Write deg, or gon"):
+        unit(text)
+    assert unit("gon").factor == pytest.approx(np.pi / 200)

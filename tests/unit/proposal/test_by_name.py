@@ -65,6 +65,12 @@ def test_a_force_may_drive_a_slide() -> None:
         ("elbowtorque", "drive", "", {"elbow"}),
         ("position", "position", "", set()),
         ("Ángulo", "position", "", set()),
+        ("VELOCIDA", "velocity", "", set()),
+        ("REFERENC", "reference", "", set()),
+        ("Sollweg_mm", "reference", "mm", set()),
+        ("Winkel_Grad", "position", "deg", set()),
+        ("pos_m3", "position", "", {"m"}),
+        ("pos_m[3]", "position", "m", set()),
     ],
 )
 def test_a_word_that_names_a_thing_and_its_quantity_is_two(name: str, kind: str, unit: str, identity: set[str]) -> None:
