@@ -14,6 +14,7 @@ from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
+from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.quantity import number, percent
 
 
@@ -104,14 +105,16 @@ def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
 
 
 def _bent(candidate: Candidate) -> bool:
-    """Whether more than one of its parameters ended at a bound where the effect is neither absent nor another one.
+    """Whether its number of periods, or more than one parameter, ended at a bound where it is itself.
 
-    At its lower bound a shape that may get sharper makes it one of its special cases.
+    There a cogging has less than half a period where the joint moves, and stands for any smooth force. At its lower
+    bound a shape that may get sharper makes an effect one of its special cases.
     """
     placed, values = candidate.effect, candidate.fitted_model.values()
     sharper = {f"{placed.label}.{name}" for name in placed.effect.sharpened}
     ends = ((p.name, ran_into(p, values[p.name])) for p in placed.parameters)
-    return sum(high or (low and name not in sharper) for name, (low, high) in ends) > 1
+    ended = {name for name, (low, high) in ends if high or (low and name not in sharper)}
+    return len(ended) > 1 or f"{placed.label}.{PERIODS}" in ended
 
 
 def _passes(

@@ -88,6 +88,16 @@ def test_what_is_bent_to_several_bounds_must_explain_most_of_a_gap(bounds: int, 
 
 
 @pytest.mark.parametrize(
+    ("share", "left", "kind"), [(0.0, 14.0, "unexplained"), (0.1, 14.0, "named"), (0.0, 8.0, "named")]
+)
+def test_a_cogging_of_less_than_half_a_period_must_explain_most_of_a_gap(share: float, left: float, kind: str) -> None:
+    base, force = model(20.0), placed(block(), "cogging", "rail")
+    periods = next(p for p in force.parameters if p.name.endswith(".periods"))
+    values = {"sine": 1.0, "periods": periods.low + share * (periods.high - periods.low)}
+    assert decide(base, [at_values(base, "cogging", left, values)], SETTINGS).kind == kind
+
+
+@pytest.mark.parametrize(
     ("left", "rivals", "kind"), [(1.0, 0, "named"), (1.0, 1, "equivalent"), (12.0, 1, "unexplained")]
 )
 def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: str) -> None:
