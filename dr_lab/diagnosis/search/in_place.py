@@ -13,6 +13,8 @@ from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import PlacedEffect
 
+_AS_GOOD = 2  # effects; each costs a fit
+
 
 def weighed_anew(
     deletions: Deletions,
@@ -28,7 +30,9 @@ def weighed_anew(
 
     1. Where the steps leave noise, its richer kinds that were not ranked beside the same others. They may have been
        compared while another effect was missing, or another one stood in for it; what that left decided between them.
-    2. Where it was compared with the same effect at other sites alone, what it may be confused with.
+    2. Where they leave more than noise, what had explained as much with more parameters: what that bends to beside
+       a missing effect, and what it explains beside all that stands, are two things.
+    3. Where it was compared with the same effect at other sites alone, what it may be confused with.
 
     Args:
         deletions: ladders that lack one effect, and the bench on which effects are compared.
@@ -43,7 +47,9 @@ def weighed_anew(
     for place, step in enumerate(steps):
         others = {other.effect.label for other in steps if other is not step}
         richer = [e for e in placed if noise and holds(e, step.effect) and not _known(e, others, rungs)]
-        asked = {e.label: reaching(e, step.effect) for e in (*richer, *(_confused(step, placed) if step.alike else ()))}
+        as_good = [] if noise else _as_good(step, placed, rungs)
+        confused = _confused(step, placed) if step.alike else []
+        asked = {e.label: reaching(e, step.effect) for e in (*richer, *as_good, *confused)}
         if not asked:
             continue
         fewer, ground = deletions.without(base, steps, place)
@@ -64,6 +70,14 @@ def _ranked(
     pool = [step.effect, *rivals, *asked.values()]
     ranking = rank(bench, below, pool, watch.ranking(len(pool)))
     return Rung.judged(bench, ranking.base, ranking.candidates)
+
+
+def _as_good(step: AddedEffect, placed: Sequence[PlacedEffect], rungs: Sequence[Rung]) -> list[PlacedEffect]:
+    """The first of those that explained as much as the step's effect with more parameters, where that was named."""
+    rung = next((each for each in rungs if step.effect.label in each.verdict.effects), None)
+    found = {e.label: e for e in placed if not holds(e, step.effect)}
+    order = [] if rung is None else [c.effect.label for c in rung.ranking]
+    return [found[n] for n in order if rung and rung.verdict.status[n] == "not_needed" and n in found][:_AS_GOOD]
 
 
 def _known(kind: PlacedEffect, others: set[str], rungs: Sequence[Rung]) -> bool:

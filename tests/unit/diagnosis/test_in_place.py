@@ -65,6 +65,24 @@ def test_what_was_weighed_beside_the_same_effects_is_not_weighed_again(monkeypat
     assert ranked == [labels([SIMPLE, RICH]), []]
 
 
+@pytest.mark.parametrize(("left_beside", "kept"), [(3.0, "flexible_mode"), (0.0, "coulomb_friction")])
+def test_what_was_as_good_with_more_parameters_takes_the_place_if_it_explains_more_beside_what_was_missing(
+    left_beside: float, kept: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The noise floor is out of reach: something else is missing that nothing explains."""
+    richer = placed(block(), "flexible_mode", "rail")
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        some, other = SIMPLE in effects or richer in effects, OTHER in effects
+        rest = left_beside if other and richer not in effects else 0.0
+        return np.repeat(1.0 + 20.0 * (not some) + 8.0 * (not other) + rest, BLOCKS)
+
+    climbed = climb(Machine((SIMPLE, richer, OTHER), left), monkeypatch, most=2)
+    assert climbed.rungs[0].verdict.effects == (SIMPLE.label,)
+    assert climbed.rungs[0].verdict.status[richer.label] == "not_needed"
+    assert {effect.effect.name for effect in effects_of(climbed.models[-1])} == {kept, "viscous_friction"}
+
+
 THERE = placed(hanging(), "coulomb_friction", "hinge")  # the same effect at another site
 CONFUSED = placed(hanging(), "viscous_friction", "hinge")
 
