@@ -53,19 +53,9 @@ UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("cm",), "cm", "position"),
     (("m",), "m", "position"),
 )
-ALONE = {
-    "rpm",
-    "dps",
-    "mps",
-    "mmps",
-    "radps",
-    "rads",
-    "deg",
-    "degrees",
-    "grad",
-    "rad",
-    "mrad",
-}  # units that are a whole name
+ALONE = {  # units that are a whole name
+    *("rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "grad", "rad", "mrad"),
+}
 VELOCITY = {
     *("vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"),
     *("drehzahl", "geschwindigkeit", "velocidad", "vitesse"),
@@ -77,21 +67,9 @@ OTHER = {
     *("index", "frame", "count", "id", "episode", "task", "done", "reward", "time", "timestamp", "stamp", "seq"),
 }
 REFERENCE = {
-    *(
-        "ref",
-        "reference",
-        "referencia",
-        "des",
-        "desired",
-        "target",
-        "goal",
-        "setpoint",
-        "cmd",
-        "command",
-        "commands",
-        "commanded",
-    ),
-    *("action", "ctrl", "control", "controls", "con", "input", "set", "soll", "sollwert", "demand", "demanded"),
+    *("ref", "reference", "referencia", "des", "desired", "target", "goal", "setpoint", "soll", "sollwert", "set"),
+    *("cmd", "command", "commands", "commanded", "action", "ctrl", "control", "controls", "con", "input"),
+    *("demand", "demanded"),
 }
 MEASURED = {"state", "states", "feedback", "actual", "meas", "measured", "ist", "istwert"}
 DRIVE = {
@@ -120,21 +98,8 @@ LETTERS: dict[str, set[str]] = {
 
 AXES = {"x", "y", "z"}
 GENERIC = {
-    *(
-        "joint",
-        "joints",
-        "link",
-        "meas",
-        "measured",
-        "actual",
-        "observation",
-        "raw",
-        "est",
-        "estimated",
-        "data",
-        "main",
-    ),
-    *("j", "states", "feedback", "applied", "per", "s", "values", "controller", "position", "velocity", "group"),
+    *("joint", "joints", "j", "link", "meas", "measured", "actual", "observation", "raw", "est", "estimated", "data"),
+    *("main", "states", "feedback", "applied", "per", "s", "values", "controller", "position", "velocity", "group"),
 }
 UNTELLING = (
     GENERIC
