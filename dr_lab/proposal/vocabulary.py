@@ -53,9 +53,8 @@ UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("cm",), "cm", "position"),
     (("m",), "m", "position"),
 )
-ALONE = {  # units that are a whole name
-    *("rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "grad", "rad", "mrad"),
-}
+# Units that are a whole name.
+ALONE = {"rpm", "dps", "mps", "mmps", "radps", "rads", "deg", "degrees", "grad", "rad", "mrad"}
 VELOCITY = {
     *("vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"),
     *("drehzahl", "geschwindigkeit", "velocidad", "vitesse"),
