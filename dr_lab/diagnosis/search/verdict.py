@@ -151,7 +151,9 @@ def _reason(
     place = "at the floor of the sensors' coloured noise" if coloured else "at the noise floor"
     place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else place
     lost, every = base.held_out.infeasible, len(base.held_out.window_count)
-    mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}{f', {lost} of {every} windows diverge' if lost else ''}"
+    mean = (
+        f"mean χ² {number(base.held_out.chi2)} on the {scored}{f', {lost} of {every} windows diverge' if lost else ''}"
+    )
     told = f"The model is {place} ({mean}). No effect of the catalogue lowers that beyond doubt."
     silent = ", ".join(label for label, each in status.items() if each == "not_excited")
     return f"{told} Even at their bounds these effects would not show in the logs: {silent}." if silent else told
@@ -186,7 +188,7 @@ def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) 
     interval = f"{'too few data for an interval' if isnan(gain.total_low) else low}, {needed:g} needed"
     return (
         f"closes {percent(gain.gap)} of a typical window's gap with evidence Δχ² {number(gain.total)} ({interval}), "
-        f"mean χ² {means[0]:.3f} before and {means[1]:.3f} after,"
+        f"mean χ² {number(means[0])} before and {number(means[1])} after,"
     )
 
 

@@ -53,7 +53,7 @@ def test_the_reason_prints_what_decides_and_where_it_is_from() -> None:
     assert f"closes {percent(found.gain.gap)} of a typical window's gap" in reason
     evidence, low = (number(value, 4) for value in (found.gain.total, found.gain.total_low))
     assert f"evidence Δχ² {evidence} (99 % interval from {low}, 27 needed)" in reason
-    assert f"mean χ² {base.held_out.chi2:.3f} before and {found.fitted_model.held_out.chi2:.3f} after" in reason
+    assert f"mean χ² {number(base.held_out.chi2)} before and {number(found.fitted_model.held_out.chi2)} after" in reason
     assert "on the fit logs" in reason
     assert "lowers" not in reason
 
