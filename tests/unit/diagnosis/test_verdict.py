@@ -188,7 +188,7 @@ def test_of_too_little_data_the_nearest_effect_is_told() -> None:
     base = model(drop(656.0))
     reason = decide(base, [candidate(base, "quadratic_drag", drop(39.5), CLEAR)], SETTINGS).reason
     assert "No effect of the catalogue lowers that beyond doubt. quadratic_drag@rail comes nearest." in reason
-    assert "27 needed), mean χ² 656.000 before and 39.500 after, which is not beyond doubt" in reason
+    assert "27 needed), mean χ² 656 before and 39.5 after, which is not beyond doubt" in reason
     assert "comes nearest" not in judged(20.0, ("coulomb_friction", 20.0)).reason
 
 
