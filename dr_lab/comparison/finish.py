@@ -25,7 +25,7 @@ from dr_lab.reports.faults import FAULT
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import TRADE, NoteEntry
 from dr_lab.reports.ladder import failing, kept_effects
-from dr_lab.reports.markdown import doubtful_intervals, notes_list, report_markdown
+from dr_lab.reports.markdown import beside_learned, doubtful_intervals, notes_list, report_markdown
 from dr_lab.reports.plain import finite
 from dr_lab.reports.quantity import counted, percent
 from dr_lab.reports.rankings import naming
@@ -210,8 +210,8 @@ def _candidates(report: GapReport) -> str:
 
 
 def _parameters(report: GapReport) -> str:
-    """The last model's parameters, those of effects first, and what is doubtful of them; empty without a fit."""
-    last = report.ladder[-1]
+    """The last model's parameters without a learned force, those of effects first, and what is doubtful of them."""
+    last = report.catalogued[-1]
     if last.fit is None:
         return ""
     found = sorted(last.parameters.items(), key=lambda item: "@" not in item[0])
@@ -221,7 +221,7 @@ def _parameters(report: GapReport) -> str:
     tables = [parameter_table(rows, given) for rows in (of_effects, own) if rows]
     left = f"… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
     trades = [f"- {note.message}" for note in report.notes if note.kind == TRADE]
-    return _paragraphs([*tables, left, "\n".join([*trades, *doubtful_intervals(told)])])
+    return _paragraphs([*tables, left, "\n".join([*trades, *beside_learned(report), *doubtful_intervals(told)])])
 
 
 def _export(

@@ -16,9 +16,9 @@ _STDS = 2.0  # half-width of an interval
 
 
 def parameter_plots(report: GapReport) -> list[Plot]:
-    """The last model's fitted parameters, beside the values given and those of each log alone."""
-    fitted = [(name, row) for name, row in report.ladder[-1].parameters.items() if row.value is not None]
-    if report.ladder[-1].fit is None:
+    """The parameters of the last model without a learned force, beside the values given and those of each log alone."""
+    fitted = [(name, row) for name, row in report.catalogued[-1].parameters.items() if row.value is not None]
+    if report.catalogued[-1].fit is None:
         return []
     given = {} if report.as_given is None else report.as_given.parameters
     return [_plot(dict(fitted[start : start + _MOST]), given) for start in range(0, len(fitted), _MOST)]

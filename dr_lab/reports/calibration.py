@@ -41,7 +41,7 @@ def given_values(report: GapReport) -> dict[str, float]:
 
 def _moved(report: GapReport) -> dict[str, str]:
     """The change of each parameter that left its value, largest in its ± first."""
-    last, given = report.ladder[-1].parameters, given_values(report)
+    last, given = report.catalogued[-1].parameters, given_values(report)
     sizes = {name: _stds(last[name], value) for name, value in given.items() if name in last}
     names = sorted((name for name in sizes if sizes[name] > _STDS), key=lambda name: -sizes[name])
     return {name: _change(last[name], given[name]) for name in names}

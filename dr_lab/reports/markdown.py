@@ -40,7 +40,7 @@ def gap_page(report: GapReport) -> Page:
         report: what was found; sections of which it says nothing are empty.
     """
     title = " · ".join(dict.fromkeys(name for name in (report.model, report.measurements, report.verb) if name))
-    parameters, judgement, failure = report.ladder[-1].parameters, report.judged, report.failing
+    parameters, judgement, failure = report.catalogued[-1].parameters, report.judged, report.failing
     values = parameter_table(parameters, given_values(report))
     fitted = "\n\n".join(part for part in (values, _trades(report, parameters)) if part)
     sections = [
@@ -96,7 +96,15 @@ def _trades(report: GapReport, parameters: Parameters) -> str:
             takers = ", ".join(f"`{name}`" for name in row.replaced_by)
             take = "takes" if len(row.replaced_by) == 1 else "take"
             lines.append(f"- `{row.label}` cannot be told from {takers}, which {take} its place.")
-    return "\n".join([*lines, *doubtful_intervals(parameters), *_by_step(parameters)])
+    return "\n".join([*lines, *beside_learned(report), *doubtful_intervals(parameters), *_by_step(parameters)])
+
+
+def beside_learned(report: GapReport) -> list[str]:
+    """A line that parameters have other values beside a learned force, which makes up for a part of what they do."""
+    last = report.ladder[-1]
+    if not last.learned:
+        return []
+    return [f"- Beside `{last.effects[-1]}`, as model=from_run has it, they have other values, those of report.json."]
 
 
 def doubtful_intervals(parameters: Parameters) -> list[str]:
