@@ -142,7 +142,8 @@ def choose_commands(
     for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
         explained = explains(given, drives[k], outcome, settings)
         alone = len([place for place in {*named[k]} & commanding if _takes(drives[k], series[place])]) == 1
-        alone &= not drives[k].added or given.series in said or len(drives) == 1  # else it may be another one's
+        # One of several joints gets no actuator for a series that does not speak of it: it may be another joint's.
+        alone &= not drives[k].added or given.series in said or len(drives) == 1
         if k not in chosen and (explained or alone) and given.series not in {g.series for g in chosen.values()}:
             chosen[k] = given
     return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))

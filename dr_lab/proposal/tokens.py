@@ -10,9 +10,9 @@ _ENDS = re.compile(
     "(.{3,})(position|angle|velocity|speed|torque|force|current|voltage|winkel|drehzahl|geschwindigkeit|drehmoment|"
     "kraft|strom|spannung)"
 )
-
-_OFTEN_CUT, _LETTERS = ("velocity", "velocidad", "reference", "referencia", "position", "posicion"), 6
 _ASKED = re.compile("(soll)(.{3,})")  # German compounds begin so: Sollweg
+_OFTEN_CUT = ("velocity", "velocidad", "reference", "referencia", "position", "posicion")
+_FEWEST = 6  # letters that are left of a cut word; fewer begin other words, too
 
 
 def tokens(text: str) -> list[str]:
@@ -30,4 +30,4 @@ def _parts(word: str) -> tuple[str, ...]:
 
 def _whole(word: str) -> str:
     """The word that programs cut which store eight letters: VELOCIDA, REFERENC."""
-    return next((each for each in _OFTEN_CUT if len(word) >= _LETTERS and each.startswith(word)), word)
+    return next((each for each in _OFTEN_CUT if len(word) >= _FEWEST and each.startswith(word)), word)
