@@ -13,7 +13,8 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
-from dr_lab.diagnosis.search import in_place, ladder, pruning, put_back, restack, step
+from dr_lab.diagnosis.search import climb as climbing
+from dr_lab.diagnosis.search import in_place, pruning, put_back, restack, step
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
@@ -101,13 +102,14 @@ def candidate(base: FittedModel, found: FittedModel) -> Candidate:
 def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch, most: int = 4) -> Ladder:
     """The ladder of a machine."""
     prepare(machine, monkeypatch)
-    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=most, watch=Silence())
+    begun = climbing.Climb.begun(BENCH, machine.explain(()))
+    return climbing.climb(begun, {}, NOTHING, NOTHING, most=most, watch=Silence())
 
 
 def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let nothing be simulated."""
     for name in ("candidates", "rank"):
-        monkeypatch.setattr(ladder, name, getattr(machine, name))
+        monkeypatch.setattr(climbing, name, getattr(machine, name))
     monkeypatch.setattr(in_place, "rank", machine.rank)
     monkeypatch.setattr(step, "fitted_for_comparison", lambda _, fitted_model: fitted_model)
     monkeypatch.setattr(restack, "_on", machine.on)

@@ -7,17 +7,19 @@ windows that choose nothing (`dr_lab.diagnosis.windows.folds`).
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from dr_lab.comparison.calibrated import calibrated
+from dr_lab.comparison.kept_climbs import KeptClimbs, Reached
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score, fitted_for_comparison
 from dr_lab.diagnosis.evidence.confirmation import confirm
 from dr_lab.diagnosis.evidence.noise_floor import at_coloured_floor, at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.search.climb import Climb, climb
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
-from dr_lab.diagnosis.search.ladder import Ladder, climb
+from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.effects.catalogue import SpecialCases
@@ -25,7 +27,19 @@ from dr_lab.effects.effect import Effect
 from dr_lab.errors import DataError
 
 
-def climbed(study: Study, effects: Mapping[str, Effect], *, most: int, watch: ClimbWatch) -> tuple[Study, Ladder]:
+@dataclass(frozen=True)
+class _Ascent:
+    """What is the same in windows of all lengths; attributes as the arguments of `climbed`."""
+
+    effects: Mapping[str, Effect]
+    most: int
+    watch: ClimbWatch
+    kept: KeptClimbs
+
+
+def climbed(
+    study: Study, effects: Mapping[str, Effect], *, most: int, watch: ClimbWatch, kept: KeptClimbs | None = None
+) -> tuple[Study, Ladder]:
     """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
 
     1. Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
@@ -45,11 +59,12 @@ def climbed(study: Study, effects: Mapping[str, Effect], *, most: int, watch: Cl
         most: most effects that are added, one at several sites counted once; 0 ranks them, and adds what is named to
             look at it.
         watch: is told what begins and what was found so far.
+        kept: how far an earlier run has come, and where is kept how far this one does; None keeps nothing.
 
     Returns:
         The study with the windows that were taken, and its ladder.
     """
-    found, ladder = _first_settled(study, effects, most, watch)
+    found, ladder = _first_settled(study, _Ascent(effects, most, watch, kept or KeptClimbs()))
     watch.phase("Checking what was found")
     return found, ladder.with_laws(found.bench, found.scales, found.compiled)
 
@@ -83,23 +98,22 @@ def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
     return bool(falls) and paired_gain(before, after, evidence).total > 0
 
 
-def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch: ClimbWatch) -> tuple[Study, Ladder]:
+def _first_settled(study: Study, ascent: _Ascent) -> tuple[Study, Ladder]:
     lengths = study.settings.windows.lengths
-    first = (study, _ladder(study, effects, most, watch))
+    first = (study, _ladder(study, ascent, _base(study, ascent)))
     if _settled(*first):
-        return first if first[1].steps else _as_long_as_noise(first, effects, most, watch)
+        return first if first[1].steps else _as_long_as_noise(first, ascent)
     doubtful, confirmation = _explained(*first), first[1].confirmation
     if doubtful and confirmation is not None and not confirmation.enough:
         return first
     # Still longer windows are too few to settle a doubt.
     for length in lengths[1:2] if doubtful else lengths[1:]:
         why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"
-        watch.phase(f"{why}: windows of {length:.3g} s")
+        ascent.watch.phase(f"{why}: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), first[1] if doubtful else None)
         if longer is None or _dropped(study, longer) > study.settings.windows.most_dropped:
             break
-        watch.phase("Calibrating the model")
-        ladder = _ladder(longer, effects, most, watch, _calibrated_from(longer, first[1].base))
+        ladder = _ladder(longer, ascent, _base(longer, ascent, first[1].base))
         if ladder.steps and (_settled if doubtful else _explained)(longer, ladder):
             return longer, ladder
         # Noise that is correlated over long takes long windows to be told from a force.
@@ -108,9 +122,7 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
     return first
 
 
-def _as_long_as_noise(
-    first: tuple[Study, Ladder], effects: Mapping[str, Effect], most: int, watch: ClimbWatch
-) -> tuple[Study, Ladder]:
+def _as_long_as_noise(first: tuple[Study, Ladder], ascent: _Ascent) -> tuple[Study, Ladder]:
     """The study and the ladder of a model that leaves noise alone, or those of longer windows that show a gap.
 
     What a force does to a position grows with the square of time, and its χ² with the fourth power, less what the
@@ -123,14 +135,14 @@ def _as_long_as_noise(
     if study.bench.fit.unlogged is not None:
         return first
     for length in lengths[1:]:
-        watch.phase(f"Only noise is left: windows of {length:.3g} s")
+        ascent.watch.phase(f"Only noise is left: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), None)
         if longer is None or _dropped(study, longer) > study.settings.windows.most_dropped:
             break
-        base = _calibrated_from(longer, first[1].base)
+        base = _base(longer, ascent, first[1].base)
         if not _grows(first[1].base.held_out, base.held_out, longer.bench.evidence):
             continue
-        ladder = _ladder(longer, effects, most, watch, base)
+        ladder = _ladder(longer, ascent, base)
         if _explained(longer, ladder):
             return longer, ladder
         shown = (longer, ladder) if shown is first else shown
@@ -156,16 +168,42 @@ def _grows(short: Score, long: Score, evidence: EvidenceSettings) -> bool:
     return not at_floor(long, evidence) and any(now > evidence.growth * max(before, 1.0) for now, before in pairs)
 
 
-def _ladder(
-    study: Study, effects: Mapping[str, Effect], most: int, watch: ClimbWatch, base: FittedModel | None = None
-) -> Ladder:
-    """The ladder in the windows of a study; on a base that is calibrated to them already, where one is given."""
-    if base is None:
-        watch.phase("Calibrating the model")
-        base = calibrated(study)
-    ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
-    if not most:
-        cases = SpecialCases(effects, study.scales, study.compiled)
+def _base(study: Study, ascent: _Ascent, short: FittedModel | None = None) -> FittedModel:
+    """The model calibrated to the windows of a study, which are longer than those of `short` where that is given."""
+    reached = ascent.kept.reached(study)
+    if reached is not None:
+        return reached.base
+    ascent.watch.phase("Calibrating the model")
+    base = calibrated(study) if short is None else _calibrated_from(study, short)
+    ascent.kept.keep(study, Reached(base))
+    return base
+
+
+def _ladder(study: Study, ascent: _Ascent, base: FittedModel) -> Ladder:
+    """The ladder in the windows of a study on its `_base`, which is climbed from as far as it was before."""
+    kept = ascent.kept
+    reached = kept.reached(study) or Reached(base)
+    if reached.ladder is not None:
+        return reached.ladder
+    begun = reached.climb or Climb.begun(study.bench, base)
+    ladder = climb(
+        begun,
+        ascent.effects,
+        study.scales,
+        study.compiled,
+        most=ascent.most,
+        watch=ascent.watch,
+        keep=lambda climb: kept.keep(study, Reached(base, climb)),
+    )
+    ladder = _checked(study, ascent, ladder)
+    kept.keep(study, Reached(base, ladder=ladder))
+    return ladder
+
+
+def _checked(study: Study, ascent: _Ascent, ladder: Ladder) -> Ladder:
+    """A climbed ladder with what other windows say of it."""
+    if not ascent.most:
+        cases = SpecialCases(ascent.effects, study.scales, study.compiled)
         ladder = ladder.with_first_step().pruned(study.bench, cases)
     ladder = as_far_as_it_predicts(study, ladder)
     ladder = ladder.ended(study.bench) if study.model.inertials else ladder

@@ -10,8 +10,9 @@ from effect_machines import catalogue_effect
 
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.scales import machine_scales
+from dr_lab.diagnosis.search.climb import Climb, climb
 from dr_lab.diagnosis.search.climb_watch import Silence
-from dr_lab.diagnosis.search.ladder import Ladder, climb
+from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.trajectory import Log
 
 Force = Callable[[mujoco.MjData], None]
@@ -45,7 +46,7 @@ def climbed(force: Force, *names: str) -> tuple[Bench, Ladder]:
     base, compiled = fit_and_score(bench, model, model.space.nominal), model.nominal()
     scales = machine_scales(compiled, logs[:3], 0.03)
     scales.command["drive"] = 1.0  # pyright: ignore[reportIndexIssue]
-    return bench, climb(bench, base, effects, scales, compiled, most=3, watch=Silence())
+    return bench, climb(Climb.begun(bench, base), effects, scales, compiled, most=3, watch=Silence())
 
 
 @pytest.mark.slow

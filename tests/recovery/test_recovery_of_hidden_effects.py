@@ -10,8 +10,8 @@ from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.search.climb import Climb, climb
 from dr_lab.diagnosis.search.climb_watch import Silence
-from dr_lab.diagnosis.search.ladder import climb
 from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.workflows.record import record
 
@@ -32,7 +32,8 @@ def diagnosed(hidden: str, folder: Path, plant: list[str], overrides: list[str])
     cfg = compose("diagnose", [f"measurements.logs=[{folder}/*.mcap]", "threads=1", *overrides])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))
     effects = instantiate(cfg.effects, _convert_="all")
-    ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=Silence())
+    begun = Climb.begun(study.bench, calibrate(study))
+    ladder = climb(begun, effects, study.scales, study.compiled, most=0, watch=Silence())
     return study, ladder.rungs[0]
 
 

@@ -8,8 +8,8 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import prepare
+from dr_lab.diagnosis.search.climb import Climb, climb
 from dr_lab.diagnosis.search.climb_watch import Silence
-from dr_lab.diagnosis.search.ladder import climb
 from dr_lab.workflows.record import record
 
 PLANT = ["plant.duration=3.0", "plant.peaks=[8.0,6.0,7.0,5.0]"]
@@ -39,7 +39,8 @@ def test_a_richer_law_is_named_among_poorer_ones(
     cfg = compose("diagnose", [logs, f"effect=[{label.partition('@')[0]},{beside}]", *DATA])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))
     effects = instantiate(cfg.effects, _convert_="all")
-    ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=Silence())
+    begun = Climb.begun(study.bench, calibrate(study))
+    ladder = climb(begun, effects, study.scales, study.compiled, most=0, watch=Silence())
     (rung,) = ladder.rungs
     assert rung.verdict.effects == (label,), rung.verdict.reason
     best = next(c.fitted_model for c in rung.ranking if c.effect.label == label)

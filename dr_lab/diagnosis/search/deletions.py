@@ -1,7 +1,7 @@
 """Ladders that lack one of their effects, each fitted as well as it can be, and what a ranking fitted beside one."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,22 @@ from dr_lab.physics.model_effect import ModelEffect
 _Fewer = tuple[tuple[AddedEffect, ...], FittedModel]
 
 
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What is asked of a ladder."""
+
+    base: FittedModel
+    steps: tuple[AddedEffect, ...]
+    place: int
+    goal: float
+
+    def same(self, other: "_Asked") -> bool:
+        """Whether the other asks the same of the same objects."""
+        ours, theirs = (self.base, *self.steps), (other.base, *other.steps)
+        alike = len(ours) == len(theirs) and all(a is b for a, b in zip(ours, theirs, strict=True))
+        return alike and (self.place, self.goal) == (other.place, other.goal)
+
+
 class Deletions:
     """Fits ladders without one of their effects and remembers them by base and steps, told apart as objects.
 
@@ -29,8 +45,7 @@ class Deletions:
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
-        self._held: list[FittedModel | AddedEffect] = []  # so that no other object takes the place of a known one
-        self._known: dict[tuple[float, ...], _Fewer] = {}
+        self._known: list[tuple[_Asked, _Fewer]] = []
         self._tried: list[Fit] = []
         self._ranked: dict[tuple[str, ...], FittedModel] = {}
 
@@ -60,14 +75,16 @@ class Deletions:
             place: of the step that goes.
             goal: a cost; see `Fitter.run`.
         """
-        key = (id(base), *map(id, steps), place, goal)
-        if key not in self._known:
-            self._held += [base, *steps]
-            fewer = stacked(self.bench, base, steps[:place], steps[place + 1 :], goal)
-            whole = steps[-1].fitted_model
-            last = place == len(steps) - 1 and any(whole.fit is fit for fit in self._tried)
-            self._known[key] = (fewer, base) if last else self._as_good_as_it_can(base, fewer, whole, goal)
-        return self._known[key]
+        asked = _Asked(base, steps, place, goal)
+        for known, answer in self._known:
+            if asked.same(known):
+                return answer
+        fewer = stacked(self.bench, base, steps[:place], steps[place + 1 :], goal)
+        whole = steps[-1].fitted_model
+        last = place == len(steps) - 1 and any(whole.fit is fit for fit in self._tried)
+        found = (fewer, base) if last else self._as_good_as_it_can(base, fewer, whole, goal)
+        self._known.append((asked, found))
+        return found
 
     def _as_good_as_it_can(
         self, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, goal: float

@@ -129,12 +129,13 @@ def test_the_shortest_windows_that_explain_the_gap(
         confidence.append(made.bench.evidence.confidence)
         return cast(Ladder, left.pop(0))
 
-    def calibrated(made: Study, short: object) -> SimpleNamespace:
-        del made, short
-        return fitted(cast(float, left.pop(0)) if left and isinstance(left[0], float) else 1.0)
+    def base(made: Study, ascent: object, short: object = None) -> SimpleNamespace:
+        del made, ascent
+        told = short is not None and left and isinstance(left[0], float)
+        return fitted(cast(float, left.pop(0)) if told else 1.0)
 
     monkeypatch.setattr(climbing, "_ladder", climb)
-    monkeypatch.setattr(climbing, "_calibrated_from", calibrated)
+    monkeypatch.setattr(climbing, "_base", base)
     windows, evidence = windows_settings(length=0.3, longest=2.7), evidence_settings(confidence=0.97)
     first = cast(Study, Windowed(comparison_settings(windows=windows, evidence=evidence), room))
     found, ladder = climbing.climbed(first, {}, most=1, watch=Silence())
@@ -150,7 +151,7 @@ def test_windows_for_which_most_logs_have_no_room_are_not_asked(
 ) -> None:
     answers = iter([first, NAMED])
     monkeypatch.setattr(climbing, "_ladder", lambda *_: next(answers))
-    monkeypatch.setattr(climbing, "_calibrated_from", lambda *_: fitted(9.0))
+    monkeypatch.setattr(climbing, "_base", lambda *_: fitted(9.0))
     settings = comparison_settings(windows=windows_settings(length=0.3, longest=2.7))
     study = cast(Study, Windowed(settings, 9.0, short=short))
     assert climbing.climbed(study, {}, most=1, watch=Silence())[0].settings.windows.length == pytest.approx(length)
@@ -158,7 +159,7 @@ def test_windows_for_which_most_logs_have_no_room_are_not_asked(
 
 def test_longer_windows_are_not_asked_of_commands_that_changed_unlogged(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(climbing, "_ladder", lambda *_: NOISE)
-    monkeypatch.setattr(climbing, "_calibrated_from", lambda *_: fitted(9.0))
+    monkeypatch.setattr(climbing, "_base", lambda *_: fitted(9.0))
     windows = windows_settings(length=0.3, longest=2.7)
     study = cast(Study, Windowed(comparison_settings(windows=windows), 9.0, unlogged="something"))
     found, ladder = climbing.climbed(study, {}, most=1, watch=Silence())
@@ -184,7 +185,7 @@ def test_a_doubt_is_asked_again_with_a_step_that_does_not_show_beside_what_is_le
         return cast(Ladder, next(answers))
 
     monkeypatch.setattr(climbing, "_ladder", climb)
-    monkeypatch.setattr(climbing, "_calibrated_from", lambda *_: fitted(9.0))
+    monkeypatch.setattr(climbing, "_base", lambda *_: fitted(9.0))
     check = replace(comparison_settings().model_check, least_share=0.2)
     settings = comparison_settings(windows=windows_settings(length=0.3, longest=2.7), model_check=check)
     study = cast(Study, Windowed(settings, 9.0))

@@ -12,9 +12,10 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.support import supported
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.climb import Climb, _with_rung, climb
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
-from dr_lab.diagnosis.search.ladder import Ladder, _with_rung, climb
+from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
 from dr_lab.diagnosis.search.rank import Ranking
 from dr_lab.diagnosis.search.restack import reconsider
@@ -54,7 +55,7 @@ def climbed(*names: str, most: int = 3, asked: tuple[tuple[str, float], ...] = (
     effects: dict[str, Effect] = {name: catalogue_effect(name) for name in names}
     scales = machine_scales(compiled, logs[:2], 0.03)
     heard = Heard()
-    ladder = climb(bench, base, effects, scales, compiled, most=most, watch=heard)
+    ladder = climb(Climb.begun(bench, base), effects, scales, compiled, most=most, watch=heard)
     assert [len(labels) for labels in heard.labels] == list(range(1, len(ladder.rungs))) or ladder.refuted
     assert not ladder.steps or heard.chi2[-1] == (ladder.base.held_out.chi2, ladder.models[-1].held_out.chi2)
     return ladder
@@ -124,7 +125,7 @@ def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
     base, compiled = fit_and_score(bench, model, model.space.nominal), model.nominal()
     effects = {"constant_offset": catalogue_effect("constant_offset")}
     scales = machine_scales(compiled, logs, 0.03)
-    ladder = climb(bench, base, effects, scales, compiled, most=0, watch=Silence())
+    ladder = climb(Climb.begun(bench, base), effects, scales, compiled, most=0, watch=Silence())
     assert not any(found.apart for found in (base, *(c.fitted_model for c in ladder.rungs[0].ranking)))
 
 
@@ -174,7 +175,7 @@ def test_rivals_are_judged_anew_where_an_effect_beside_them_was_dropped(
     first, second = known.steps
     delay = next(c for c in known.rungs[1].ranking if c.effect.effect.name == "actuator_delay")
     steps = (first, replace(second, rivals=(delay,)))
-    monkeypatch.setattr("dr_lab.diagnosis.search.ladder.finished", lambda *_: Pruned(steps, dropped))
+    monkeypatch.setattr("dr_lab.diagnosis.search.climb.finished", lambda *_: Pruned(steps, dropped))
     bench, compiled = bench_of(rubbing(0.05, 0.1), pendulum()), pendulum().nominal()
     cases = SpecialCases({}, machine_scales(compiled, rubbing(0.05, 0.1)[:2], 0.03), compiled)
     ranking = Ranking(known.models[-1], known.rungs[-1].ranking)

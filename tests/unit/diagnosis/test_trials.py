@@ -27,7 +27,8 @@ from trial_machines import (
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.support import supported, worth_a_trial
-from dr_lab.diagnosis.search import ladder, pruning
+from dr_lab.diagnosis.search import climb as climbing
+from dr_lab.diagnosis.search import pruning
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder
@@ -123,7 +124,8 @@ def test_a_ladder_that_stays_is_judged_in_the_end_without_fits_that_are_known(mo
 
     prepare(machine, monkeypatch)
     monkeypatch.setattr(Deletions, "_as_good_as_it_can", noted)
-    climbed = ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=Silence())
+    begun = climbing.Climb.begun(BENCH, machine.explain(()))
+    climbed = climbing.climb(begun, {}, NOTHING, NOTHING, most=4, watch=Silence())
     assert labels(effects_of(climbed.models[-1])) == labels([first, second])
     assert climbed.topped(climbed.models[-1]) is climbed
     both = [fewer for whole, fewer in fitted if whole == labels([first, second])]

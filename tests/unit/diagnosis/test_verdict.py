@@ -26,7 +26,8 @@ from pretended_rankings import (
 from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
-from dr_lab.diagnosis.search.ladder import Ladder, _as_before
+from dr_lab.diagnosis.search.climb import _as_before
+from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import _absorbed, decide
