@@ -8,6 +8,7 @@ from dr_lab.comparison import entries, notes
 from dr_lab.comparison.calibrated import Described, as_given, describe
 from dr_lab.comparison.deciding import deciding_experiment
 from dr_lab.comparison.finish import Run, answer, finish, save
+from dr_lab.comparison.in_doubt import in_doubt
 from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.comparison.knowledge_notes import changed_masses, richer_effects
 from dr_lab.comparison.lesson import Lesson
@@ -98,6 +99,7 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
             *trading(described[-1].estimate),
             *together(ladder.models[-1]),
             *short_shifts(study.bench, ladder),
+            *in_doubt(ladder, study.bench.evidence),
             *notes.fit_notes([each.fitted_model for each in described]),
             *report.notes,
             *_ladder_notes(study, ladder),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dr_lab.reports.calibration import calibration_told
 from dr_lab.reports.faults import faults_told
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.gap_entries import SHORT_SHIFT, TOGETHER
+from dr_lab.reports.gap_entries import IN_DOUBT, SHORT_SHIFT, TOGETHER
 from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
@@ -21,7 +21,8 @@ def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, what remains; first that logs are faulty or the model worse, if so."""
     worse = _worse(report)
     calibrated = not report.verdict and not report.added
-    answer = (worse, _found(report), *_notes(report, TOGETHER), _share(report), _fall(report), _confirmed(report))
+    found = (_found(report), *_notes(report, IN_DOUBT), *_notes(report, TOGETHER))
+    answer = (worse, *found, _share(report), _fall(report), _confirmed(report))
     told = (faults_told(report.notes), *([worse] if worse and calibrated else answer))
     left = (_remaining(report), *_notes(report, SHORT_SHIFT), _learned(report))
     return " ".join(part for part in (*told, *left) if part)
@@ -109,7 +110,8 @@ def _unexplained(report: GapReport) -> str:
     """That nothing explains the gap, and how much of it closes all the same, or by which law that is not meant."""
     added = report.added
     if not added:
-        return "**Unexplained:** a gap remains that no effect of the catalogue explains."
+        beyond = " beyond doubt" if _notes(report, IN_DOUBT) else ""
+        return f"**Unexplained:** a gap remains that no effect of the catalogue explains{beyond}."
     told = [law.told for law in report.judged.laws if law.refuted]
     if told:
         return f"**Unexplained:** {' '.join(told)}"
@@ -194,6 +196,7 @@ def _remaining(report: GapReport) -> str:
     told = f"{told} and not explained"
     if not report.judged.ranking:
         return f"{told}."
+    told = f"{told} beyond doubt" if _notes(report, IN_DOUBT) else told
     but = "but a shift in time" if _notes(report, SHORT_SHIFT) else "in the catalogue"
     return f"{told} by anything {but}: {times} the sensors' noise."
 

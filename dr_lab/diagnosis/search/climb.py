@@ -185,4 +185,4 @@ def _with_rung(
         steps = reconsider(bench, ladder.base, steps, range(len(steps)))
     dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
     rungs = (*ladder.rungs, rung)
-    return replace(ladder, rungs=rungs, steps=steps, dropped=dropped, put_back=put_back), over
+    return replace(ladder, rungs=rungs, steps=steps, dropped=dropped, put_back=put_back, doubt=pruned.doubt), over

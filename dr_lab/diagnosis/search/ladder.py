@@ -12,7 +12,7 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
 from dr_lab.diagnosis.evidence.support import cleared
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
-from dr_lab.diagnosis.search.pruning import finished
+from dr_lab.diagnosis.search.pruning import Doubt, finished
 from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -34,6 +34,7 @@ class Ladder:
         put_back: effects that were added, but whose place one of their special cases has taken.
         laws: what free laws explain beside the added effects; empty where none was checked.
         confirmation: what those windows say that took no part in choosing the effects; None without such windows.
+        doubt: the effect that was dropped as the last one, where the end of the climb left none.
     """
 
     rungs: tuple[Rung, ...]
@@ -44,6 +45,7 @@ class Ladder:
     put_back: tuple[PutBack, ...] = ()
     laws: tuple[LawCheck, ...] = ()
     confirmation: Confirmation | None = None
+    doubt: Doubt | None = None
 
     @property
     def absorbed(self) -> tuple[str, ...]:
@@ -133,4 +135,4 @@ class Ladder:
     def pruned(self, bench: Bench, cases: SpecialCases) -> "Ladder":
         """The ladder with no more effects, and none richer, than the logs ask for; see `pruning.finished`."""
         found = finished(Deletions(bench), self.base, self.steps, cases)
-        return replace(self, steps=found.steps, dropped=found.dropped, put_back=found.put_back)
+        return replace(self, steps=found.steps, dropped=found.dropped, put_back=found.put_back, doubt=found.doubt)

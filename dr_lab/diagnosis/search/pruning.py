@@ -23,6 +23,19 @@ Rule = Callable[[Gain, int, EvidenceSettings], bool]
 
 
 @dataclass(frozen=True)
+class Doubt:
+    """An effect that was dropped as the last one, so that nothing stands.
+
+    Attributes:
+        base: the calibrated model.
+        step: the model with that effect alone.
+    """
+
+    base: FittedModel
+    step: AddedEffect
+
+
+@dataclass(frozen=True)
 class Pruned:
     """What is left of a ladder's steps.
 
@@ -30,11 +43,13 @@ class Pruned:
         steps: those that stay, refitted and proven.
         dropped: labels of the effects that were dropped.
         put_back: the effects that were put back to a special case.
+        doubt: the last effect that was dropped, where none stays; None where some do, or none was there.
     """
 
     steps: tuple[AddedEffect, ...]
     dropped: tuple[str, ...] = ()
     put_back: tuple[PutBack, ...] = ()
+    doubt: Doubt | None = None
 
 
 def lean(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
@@ -50,8 +65,7 @@ def lean(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...]
     """
     noise = at_floor(steps[-1].fitted_model.held_out, deletions.bench.evidence)
     simpler, put_back = _put_back(deletions, base, steps, cases) if noise or len(steps) > 1 else (steps, ())
-    kept, dropped = prune(deletions, base, simpler, supported if noise else sizeable)
-    return Pruned(kept, dropped, put_back)
+    return replace(prune(deletions, base, simpler, supported if noise else sizeable), put_back=put_back)
 
 
 def finished(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
@@ -63,19 +77,17 @@ def finished(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, 
     3. Effects of one parameter whose value is compatible with absent are dropped. This waits until here: as long as
        other effects are missing, what they would explain widens the scatter between logs.
     """
-    kept, dropped = prune(deletions, base, steps, supported)
-    kept, put_back = _put_back(deletions, base, kept, cases)
+    found = prune(deletions, base, steps, supported)
+    kept, put_back = _put_back(deletions, base, found.steps, cases)
     kept, more = plainer(deletions, base, kept, cases)
     put_back = (*put_back, *more)
-    kept, superfluous = prune(deletions, base, kept, supported) if put_back else (kept, ())
-    kept, absent = drop_absent(deletions, base, kept)
+    further = prune(deletions, base, kept, supported) if put_back else Pruned(kept)
+    kept, absent = drop_absent(deletions, base, further.steps)
     kept = tuple(replace(step, proven=True) for step in kept)
-    return Pruned(kept, (*dropped, *superfluous, *absent), put_back)
+    return Pruned(kept, (*found.dropped, *further.dropped, *absent), put_back, found.doubt or further.doubt)
 
 
-def prune(
-    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], stays: Rule
-) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
+def prune(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], stays: Rule) -> Pruned:
     """Drop effects without which the logs are explained as well. Those on trial are judged first, in order of addition.
 
     Args:
@@ -84,15 +96,14 @@ def prune(
         steps: what was added.
         stays: the rule by which an effect with so many parameters stays for its gain: `sizeable` or `supported`.
 
-    Returns:
-        The steps that stay, refitted, and the labels of the effects that were dropped.
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
         fewer, base, needed = _without(deletions, base, steps, place, stays)
         if not needed:
-            kept, dropped = prune(deletions, base, fewer, stays)
-            return kept, (steps[place].effect.label, *dropped)
-    return steps, ()
+            found = prune(deletions, base, fewer, stays)
+            dropped = (steps[place].effect.label, *found.dropped)
+            return replace(found, dropped=dropped, doubt=found.doubt if fewer else Doubt(base, steps[0]))
+    return Pruned(steps)
 
 
 def _without(
@@ -144,7 +155,7 @@ def drop_absent(
     Source: Gregory and Veall, Econometrica 53 (1985) 1465.
 
     Returns:
-        As `prune`.
+        The steps that stay, refitted, and the labels of the effects that were dropped.
     """
     if not steps:
         return (), ()

@@ -46,7 +46,8 @@ def test_a_deletion_that_was_given_up_is_fitted_to_its_end_before_it_counts(*, r
     steps = (AddedEffect(fit_and_score(fits.bench, model, model.space.nominal), ()),)
     deletions, rule = Foretold(fits.bench), OnlyAtItsEnd()
     deletions.reached = reached
-    kept, dropped = prune(deletions, fits.base, steps, rule)
+    found = prune(deletions, fits.base, steps, rule)
+    kept, dropped = found.steps, found.dropped
     assert kept == (steps if stays else ())
     assert dropped == (() if stays else ("constant_offset@hinge",))
     assert len(rule.asked) == (2 if stays else 1)

@@ -219,11 +219,12 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
     )
     second = explain_on(bench, drag.fitted_model, friction)
     steps = tuple(AddedEffect(e, ()) for e in (drag.fitted_model, second, explain_on(bench, second, offset)))
-    kept, dropped = prune(Deletions(bench), ladder.base, steps, supported)
+    found = prune(Deletions(bench), ladder.base, steps, supported)
+    kept, dropped = found.steps, found.dropped
     assert dropped == ("quadratic_drag@hinge",)
     assert [s.fitted_model.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
     assert kept[-1].fitted_model.held_out.chi2 < 1.2
-    assert prune(Deletions(bench), ladder.base, kept, supported) == (kept, ())
+    assert prune(Deletions(bench), ladder.base, kept, supported) == Pruned(kept)
 
 
 @pytest.mark.slow
