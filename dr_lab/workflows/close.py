@@ -31,8 +31,8 @@ def close(
     next_experiment: ExperimentSettings,
     recorder: Look,
     most: int,
-    resume: str | None,
     run_dir: Path,
+    resume: str | None = None,
 ) -> GapReport:
     """Climb the ladder of models until the noise floor or until no effect is supported.
 
@@ -47,8 +47,8 @@ def close(
         next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
         most: most effects that are added, one at several sites counted once; 0 ranks them, as `diagnose` does.
-        resume: run folder of an interrupted run with the same settings.
         run_dir: the run folder.
+        resume: run folder of an interrupted run with the same settings.
 
     Returns:
         The report (schema dr_lab/gap/1).

@@ -126,10 +126,15 @@ class Waves:
         self._reached = max([self._reached, *map(self._gained, found.values())])
 
     def _widen(self, found: dict[int, Candidate]) -> None:
-        """Go on with the fits that ran into a bound which is no physics, where they gain enough to matter."""
+        """Go on with the fits that ran into a bound which is no physics, where they gain enough to matter.
+
+        Or where a linear step, which knows how far the bound may be moved, promised so much: of a lag of 0.2 s the
+        first 12 ms gain next to nothing.
+        """
         settings, waiting = self._bench.evidence, list(found)
         for _ in range(settings.widenings):
-            waiting = [k for k in waiting if self._gained(found[k]) >= settings.least_promise * self._reached]
+            least = settings.least_promise * self._reached
+            waiting = [k for k in waiting if max(self._gained(found[k]), self._looks[k].gain) >= least]
             farther = self._fits.side_by_side([found[k] for k in waiting], self._fits.farther)
             moved = {k: candidate for k, candidate in zip(waiting, farther, strict=True) if candidate is not None}
             found |= moved
