@@ -98,12 +98,16 @@ class _Yielding(InternalState):
     def follow(self, qvel: Array, step: float) -> None:
         stretch = self.of(len(qvel))
         for way in step * qvel[:, :, self.dof].T:
-            stretch = np.clip(stretch + way, -self.way, self.way)
+            stretch = self._slipping(stretch + way)
         self.state = stretch
 
     def act(self, moment: Moment, influence: Influence) -> None:
         stretch = self.of(len(moment.qvel))
         half = moment.step / 2 * moment.qvel[:, self.dof]
-        middle = np.clip(stretch + half, -self.way, self.way)
-        self.state = np.clip(stretch + 2 * half, -self.way, self.way)
+        middle = self._slipping(stretch + half)
+        self.state = self._slipping(stretch + 2 * half)
         influence.force[:, self.dof] -= self.torque * middle / self.way
+
+    def _slipping(self, stretch: Array) -> Array:
+        """A stretch, as far as the spring bears it; `np.clip` does the same in three times the time."""
+        return np.minimum(np.maximum(stretch, -self.way), self.way)

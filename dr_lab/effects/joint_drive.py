@@ -75,13 +75,26 @@ class JointDrive:
     def force(self, qpos: Array, qvel: Array, control: Array) -> Array:
         """Generalised force in N·m or N of n simulations, shape (n,); arguments of shape (n, nq), (n, nv), (n, nu)."""
         moving = self.by_position * qpos[:, self.address] + self.by_velocity * qvel[:, self.dof]
-        taken = np.clip(control, self.least, self.largest)
-        asked = self.constant + np.einsum("nu,nu->n", taken, self.by_control) + moving
-        found = np.clip(asked, self.low, self.high)
+        asked = self.constant + np.einsum("nu,nu->n", self._taken(control), self.by_control) + moving
+        found = np.minimum(np.maximum(asked, self.low), self.high) if self._limited else asked
         if self.cogging.size:
             amplitude, periods, phase = self.cogging
             found += (amplitude * np.sin(periods * qpos[:, self.address, None] + phase)).sum(axis=1)
         return found
+
+    def _taken(self, control: Array) -> Array:
+        """Controls within their limits."""
+        return np.minimum(np.maximum(control, self.least), self.largest) if self._commands_limited else control
+
+    @cached_property
+    def _limited(self) -> bool:
+        """Whether some force has a limit; to keep to limits takes longer than all else."""
+        return bool(np.isfinite(self.low).any() or np.isfinite(self.high).any())
+
+    @cached_property
+    def _commands_limited(self) -> bool:
+        """Whether some control has a limit."""
+        return bool(np.isfinite(self.least).any() or np.isfinite(self.largest).any())
 
     @cached_property
     def filters(self) -> bool:
@@ -96,7 +109,7 @@ class JointDrive:
             held: before it, shape (n, nu).
             known: in which simulations that is so; in the others they have had the control for long, shape (n,).
         """
-        taken = np.clip(control, self.least, self.largest)
+        taken = self._taken(control)
         given, after = taken + self.left * np.where(known[:, None], held - taken, 0.0)
         return given, after
 

@@ -77,6 +77,10 @@ class Search:
         self._settings = settings
         self._time = machine.command_times(duration)
         self._duration = float(self._time[-1])
+        share = settings.lawful if any(each.lawful for each in aim.contenders) else 1.0
+        self._simulations, self._refitted = (
+            max(1, round(share * count)) for count in (settings.simulations, settings.refitted)
+        )
         self._generator = stream(settings.seed, "next_experiment", f"{duration:g}")
         self._gentlest, self._reason = np.inf, STABLE
 
@@ -85,7 +89,7 @@ class Search:
         archive = self._searched()
         found: list[Found] = []
         for row in np.argsort(-archive.worth):
-            if len(found) == self._settings.refitted or not np.isfinite(archive.worth[row]):
+            if len(found) == self._refitted or not np.isfinite(archive.worth[row]):
                 break
             safe = self._safe(archive.values[row])
             if safe is not None:
@@ -126,7 +130,7 @@ class Search:
 
     def _worth(self, shown: Sequence[Shots], excess: Array) -> Array:
         """Worth of those that promise most of the experiments that keep the limits, −∞ of the others."""
-        found, most = np.full(len(excess), -np.inf), self._settings.simulations // self._aim.simulations
+        found, most = np.full(len(excess), -np.inf), self._simulations // self._aim.simulations
         able = np.flatnonzero(excess <= 1)
         if len(able) > (most := max(_LEAST_JUDGED, most)):
             order = able[np.argsort(-self._aim.hint(shown)[able])]
