@@ -38,8 +38,8 @@ def read(
 
     Args:
         name: of the configuration.
-        logs: files, bag folders or globs, of the kinds of `dr_lab.measurements.log_file`; only those that `fit` or
-            `held_out` name are read.
+        logs: files, globs, or folders with logs of one kind, of those of `dr_lab.measurements.log_file`; only those
+            that `fit` or `held_out` name are read.
         outputs: measured channels by name; see `dr_lab.measurements.signal_map.channel_map`.
         contract: thresholds of the data contract.
         commands: commands by actuator name, in the same form; None for a machine that swings freely.

@@ -39,7 +39,9 @@ def until(name: str, stop: float) -> str:
 
 
 def find_files(patterns: Sequence[str]) -> dict[str, Path]:
-    """Expand file names and globs (``*``, ``**``) to files and bag folders by stem, sorted by path.
+    """Expand file names, globs (``*``, ``**``) and folders with logs of one kind to files and bag folders by stem.
+
+    They are sorted by path.
 
     Raises:
         DataError: a file does not exist, a glob matches nothing, two files share a stem, or a name still holds an
@@ -117,12 +119,21 @@ def _expand(pattern: str) -> list[Path]:
     if found:
         return found
     if path.is_dir():
-        suffixes = [each.suffix for each in sorted(path.iterdir()) if kind(each) in KINDS and not is_bag(each)]
-        example = f"{path}/*{suffixes[0]}" if suffixes else f"{path}/*" if any(map(is_bag, path.iterdir())) else ""
-        named = f" Name the files in it in logs, e.g. {example}." if example else f"; {_contents(path)}. Name logs."
-        raise DataError(f"{path} is a folder{'.' if example else ''}{named}")
+        return _within(path)
     missing = "No file matches" if any(mark in pattern for mark in "*?[") else "There is no file"
     raise DataError(f"{missing} {pattern!r}; {_contents(path.parent)}. Correct logs.")
+
+
+def _within(folder: Path) -> list[Path]:
+    """All logs in a folder, where they are of one kind."""
+    logs = [each for each in sorted(folder.iterdir()) if kind(each) in KINDS]
+    kinds = sorted({kind(each) for each in logs})
+    if len(kinds) == 1:
+        return logs
+    if not logs:
+        raise DataError(f"{folder} is a folder; {_contents(folder)}. Name logs.")
+    example = f"{folder}/*{logs[0].suffix}"
+    raise DataError(f"{folder} is a folder with logs of several kinds. Name those of one, e.g. {example}.")
 
 
 def _contents(folder: Path) -> str:

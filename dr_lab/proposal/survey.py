@@ -78,7 +78,7 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     """Read some of the logs, whatever they hold.
 
     Args:
-        patterns: files, bag folders or globs.
+        patterns: files, globs, or folders with logs of one kind.
         settings: how much is looked at.
 
     Raises:

@@ -31,7 +31,7 @@ def init(
 
     Args:
         robot: an MJCF or URDF file, a folder with one, or a name of the package robot_descriptions.
-        logs: files, bag folders or globs.
+        logs: files, globs, or folders with logs of one kind.
         folder: where the files go.
         proposal: thresholds.
         checks: settings of the comparing verbs, by which they will look at model and logs.

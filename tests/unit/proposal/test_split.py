@@ -10,6 +10,7 @@ import yaml
 from own_robot import MJCF, plain_logs
 
 from dr_lab.__main__ import main
+from dr_lab.errors import DataError
 from dr_lab.measurements.inventory import Place
 from dr_lab.measurements.split import find_files
 from dr_lab.proposal.output import Output
@@ -54,3 +55,20 @@ def test_a_folder_with_brackets_is_found_again(
     found: dict[str, Any] = yaml.safe_load(Path("mine/measurements/two.yaml").read_text(encoding="utf-8"))
     assert len(found["logs"]) == 1
     assert [*find_files(found["logs"])] == ["log_0", "log_1", "log_2"]
+
+
+def test_a_folder_stands_for_all_its_logs_of_one_kind(tmp_path: Path) -> None:
+    for name in ("b.csv", "a.csv", "notes.md"):
+        (tmp_path / name).write_text("t,x\n0,1\n")
+    assert find_files([str(tmp_path)]) == {"a": tmp_path / "a.csv", "b": tmp_path / "b.csv"}
+    (tmp_path / "c.parquet").write_bytes(b"")
+    with pytest.raises(
+        DataError, match=r"is a folder with logs of several kinds\. Name those of one, e\.g\. .*/\*\.csv"
+    ):
+        find_files([str(tmp_path)])
+
+
+def test_a_folder_without_logs_is_refused_and_what_it_holds_is_named(tmp_path: Path) -> None:
+    (tmp_path / "notes.md").write_text("")
+    with pytest.raises(DataError, match=r"is a folder; folder .* holds notes\.md\. Name logs\."):
+        find_files([str(tmp_path)])
