@@ -33,3 +33,12 @@ def test_more_columns_than_the_screen_has_room_for_are_told_in_a_sentence() -> N
         "A table of 22 columns, too wide for this screen: see the report in the run",
         "folder.",
     ]
+
+
+def test_a_name_stays_whole_where_the_longest_words_of_all_columns_have_room() -> None:
+    header = ["model", "χ²", "predicted RMSE tilt.position [rad]", "predicted RMSE roll.position [m]"]
+    row = ["+ load_dependent_friction@tilt", "36.07", "0.00264", "0.00475"]
+    lines = shown(header, row, 72)
+    assert any("load_dependent_friction@tilt" in line for line in lines)
+    assert any("tilt.position" in line for line in lines)
+    assert not any("load_dependent_friction@tilt" in line for line in shown(header, row, 40))  # there is no room
