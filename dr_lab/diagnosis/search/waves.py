@@ -85,8 +85,9 @@ class Waves:
     def _crowded_out(self, found: dict[int, Candidate]) -> list[int]:
         """Effects that wait at the site of the best fitted one and are near it, or near another there like it.
 
-        They hold one, or what it holds, as a special case, or they say that they are confused with that. Alike are
-        those that gain `least_named` of what the best one does: which of them leads, few windows hardly tell.
+        They hold one, or what it holds, as a special case, or they say that they are confused with that, or the best
+        one says so of them. Alike are those that gain `least_named` of what the best one does: which of them leads, few
+        windows hardly tell.
         """
         best = max(found, key=lambda k: found[k].gain.total, default=None)
         if best is None:
@@ -96,7 +97,8 @@ class Waves:
         poorer = {name for k in alike for name in (self.placed[k].effect.name, *self.placed[k].effect.holds)}
         others = [k for k in self._waiting if self.placed[k].site == site]
         near = {k: {*self.placed[k].effect.holds, *self.placed[k].effect.confused_with} for k in others}
-        return [k for k in others if poorer & near[k]]
+        named = self.placed[best].effect.confused_with
+        return [k for k in others if poorer & near[k] or self.placed[k].effect.name in named]
 
     def _fit(self, wave: list[int], found: dict[int, Candidate]) -> None:
         """Fit some candidates. An effect waits for its special case, to which it may add nothing, or for its limit."""

@@ -1,4 +1,6 @@
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -129,3 +131,17 @@ def test_the_next_ones_bring_along_what_holds_the_best_of_them() -> None:
     ]
     found = {asked.placed[place].effect.name for place in asked.next()}
     assert found == {"coulomb_friction", "asymmetric_friction"}
+
+
+def test_what_the_best_one_says_that_it_is_confused_with_is_fitted() -> None:
+    """A gain is no kind of a power of the command and says nothing of it, but the power near 1 passes for a gain."""
+    placed = placed_of(("viscous_friction", "command_power", "torque_scale"))
+    best = next(k for k, each in enumerate(placed) if each.effect.name == "command_power")
+    assert "command_power" not in catalogue_effect("torque_scale").confused_with
+    contest = cast(Any, object.__new__(waves.Waves))
+    contest.placed, contest._bench = placed, SimpleNamespace(evidence=SimpleNamespace(least_named=0.5))
+    contest._fits, contest._waiting = SimpleNamespace(start=None), [k for k in range(len(placed)) if k != best]
+    fit = SimpleNamespace(below=lambda _: 1.0)
+    found = {best: SimpleNamespace(gain=SimpleNamespace(total=9.0), fitted_model=SimpleNamespace(fit=fit))}
+    crowded = contest._crowded_out(found)
+    assert [placed[k].effect.name for k in crowded] == ["torque_scale"]
