@@ -1,6 +1,6 @@
 """Fits of the candidates beside one model to few windows, wave by wave: what promises most goes first."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -85,9 +85,9 @@ class Waves:
     def _crowded_out(self, found: dict[int, Candidate]) -> list[int]:
         """Effects that wait at the site of the best fitted one and are near it, or near another there like it.
 
-        They hold one, or what it holds, as a special case, or they say that they are confused with that, or the best
-        one says so of them. Alike are those that gain `least_named` of what the best one does: which of them leads, few
-        windows hardly tell.
+        They hold one, or what it holds, as a special case, or they say that they are confused with that. Alike are
+        those that gain `least_named` of what the best one does: which of them leads, few windows hardly tell. Besides,
+        what the best one says that it is confused with: there, or where it promises most if it cannot sit there.
         """
         best = max(found, key=lambda k: found[k].gain.total, default=None)
         if best is None:
@@ -97,8 +97,16 @@ class Waves:
         poorer = {name for k in alike for name in (self.placed[k].effect.name, *self.placed[k].effect.holds)}
         others = [k for k in self._waiting if self.placed[k].site == site]
         near = {k: {*self.placed[k].effect.holds, *self.placed[k].effect.confused_with} for k in others}
-        named = self.placed[best].effect.confused_with
-        return [k for k in others if poorer & near[k] or self.placed[k].effect.name in named]
+        crowded = [k for k in others if poorer & near[k]]
+        return list(dict.fromkeys([*crowded, *self._confused_with(self.placed[best])]))
+
+    def _confused_with(self, best: PlacedEffect) -> Iterator[int]:
+        """What waits and may pass for an effect, as that says: a load's body is no site of the motor that lifts it."""
+        for name in best.effect.confused_with:
+            sites = [k for k, each in enumerate(self.placed) if each.effect.name == name]
+            here = [k for k in sites if self.placed[k].site == best.site]
+            waiting = [k for k in here or sites if k in self._waiting]
+            yield from sorted(waiting, key=lambda k: -self._looks[k].gain)[:1]
 
     def _fit(self, wave: list[int], found: dict[int, Candidate]) -> None:
         """Fit some candidates. An effect waits for its special case, to which it may add nothing, or for its limit."""

@@ -133,15 +133,24 @@ def test_the_next_ones_bring_along_what_holds_the_best_of_them() -> None:
     assert found == {"coulomb_friction", "asymmetric_friction"}
 
 
-def test_what_the_best_one_says_that_it_is_confused_with_is_fitted() -> None:
+@pytest.mark.parametrize(
+    ("best", "confused"),
+    [
+        (("command_power", "rail"), [("torque_scale", "rail")]),  # at another site it would not be asked
+        (("torque_scale", "rail"), [("payload", "second"), ("viscous_friction", "rail")]),  # a load sits at bodies
+    ],
+)
+def test_what_the_best_one_says_that_it_is_confused_with_is_fitted(
+    best: tuple[str, str], confused: list[tuple[str, str]]
+) -> None:
     """A gain is no kind of a power of the command and says nothing of it, but the power near 1 passes for a gain."""
-    placed = placed_of(("viscous_friction", "command_power", "torque_scale"))
-    best = next(k for k, each in enumerate(placed) if each.effect.name == "command_power")
-    assert "command_power" not in catalogue_effect("torque_scale").confused_with
+    sites = [best, *confused, ("torque_scale", "other"), ("spring", "rail"), ("payload", "first")]
+    placed = [SimpleNamespace(effect=catalogue_effect(name), site=site) for name, site in dict.fromkeys(sites)]
     contest = cast(Any, object.__new__(waves.Waves))
     contest.placed, contest._bench = placed, SimpleNamespace(evidence=SimpleNamespace(least_named=0.5))
-    contest._fits, contest._waiting = SimpleNamespace(start=None), [k for k in range(len(placed)) if k != best]
+    contest._fits, contest._waiting = SimpleNamespace(start=None), [*range(1, len(placed))]
+    contest._looks = [SimpleNamespace(gain=2.0 if each.site == "second" else 1.0) for each in placed]
     fit = SimpleNamespace(below=lambda _: 1.0)
-    found = {best: SimpleNamespace(gain=SimpleNamespace(total=9.0), fitted_model=SimpleNamespace(fit=fit))}
-    crowded = contest._crowded_out(found)
-    assert [placed[k].effect.name for k in crowded] == ["torque_scale"]
+    found = {0: SimpleNamespace(gain=SimpleNamespace(total=9.0), fitted_model=SimpleNamespace(fit=fit))}
+    crowded = {(placed[k].effect.name, placed[k].site) for k in contest._crowded_out(found)}
+    assert crowded == {*confused}
