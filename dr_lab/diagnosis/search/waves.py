@@ -87,7 +87,8 @@ class Waves:
 
         They hold one, or what it holds, as a special case, or they say that they are confused with that. Alike are
         those that gain `least_named` of what the best one does: which of them leads, few windows hardly tell. Besides,
-        what the best one says that it is confused with: there, or where it promises most if it cannot sit there.
+        what the best one, or the simplest that is like it, says that it is confused with: there, or where it promises
+        most if it cannot sit there.
         """
         best = max(found, key=lambda k: found[k].gain.total, default=None)
         if best is None:
@@ -98,7 +99,9 @@ class Waves:
         others = [k for k in self._waiting if self.placed[k].site == site]
         near = {k: {*self.placed[k].effect.holds, *self.placed[k].effect.confused_with} for k in others}
         crowded = [k for k in others if poorer & near[k]]
-        return list(dict.fromkeys([*crowded, *self._confused_with(self.placed[best])]))
+        simplest = min(alike, key=lambda k: (len(self.placed[k].parameters), -found[k].gain.total))
+        confused = (j for k in (best, simplest) for j in self._confused_with(self.placed[k]))
+        return list(dict.fromkeys([*crowded, *confused]))
 
     def _confused_with(self, best: PlacedEffect) -> Iterator[int]:
         """What waits and may pass for an effect, as that says: a load's body is no site of the motor that lifts it."""

@@ -134,23 +134,34 @@ def test_the_next_ones_bring_along_what_holds_the_best_of_them() -> None:
 
 
 @pytest.mark.parametrize(
-    ("best", "confused"),
+    ("tried", "confused"),
     [
-        (("command_power", "rail"), [("torque_scale", "rail")]),  # at another site it would not be asked
-        (("torque_scale", "rail"), [("payload", "second"), ("viscous_friction", "rail")]),  # a load sits at bodies
+        ([("command_power", 9.0)], [("torque_scale", "rail")]),  # at another site it would not be asked
+        ([("torque_scale", 9.0)], [("payload", "second"), ("viscous_friction", "rail")]),  # a load sits at bodies
+        ([("command_power", 9.0), ("torque_scale", 8.0)], [("payload", "second"), ("viscous_friction", "rail")]),
+        ([("command_power", 9.0), ("torque_scale", 4.0)], []),  # which explains far less
     ],
 )
-def test_what_the_best_one_says_that_it_is_confused_with_is_fitted(
-    best: tuple[str, str], confused: list[tuple[str, str]]
+def test_what_the_best_one_or_the_simplest_like_it_says_that_it_is_confused_with_is_fitted(
+    tried: list[tuple[str, float]], confused: list[tuple[str, str]]
 ) -> None:
     """A gain is no kind of a power of the command and says nothing of it, but the power near 1 passes for a gain."""
-    sites = [best, *confused, ("torque_scale", "other"), ("spring", "rail"), ("payload", "first")]
-    placed = [SimpleNamespace(effect=catalogue_effect(name), site=site) for name, site in dict.fromkeys(sites)]
+    begun = [(name, "rail") for name, _ in tried]
+    sites = [*begun, *confused, ("torque_scale", "other"), ("spring", "rail"), ("payload", "first")]
+    placed = [
+        SimpleNamespace(effect=catalogue_effect(name), site=site, parameters=range(1 + (name == "command_power")))
+        for name, site in dict.fromkeys(sites)
+    ]
     contest = cast(Any, object.__new__(waves.Waves))
     contest.placed, contest._bench = placed, SimpleNamespace(evidence=SimpleNamespace(least_named=0.5))
-    contest._fits, contest._waiting = SimpleNamespace(start=None), [*range(1, len(placed))]
+    contest._fits, contest._waiting = SimpleNamespace(start=None), [*range(len(tried), len(placed))]
     contest._looks = [SimpleNamespace(gain=2.0 if each.site == "second" else 1.0) for each in placed]
-    fit = SimpleNamespace(below=lambda _: 1.0)
-    found = {0: SimpleNamespace(gain=SimpleNamespace(total=9.0), fitted_model=SimpleNamespace(fit=fit))}
+    found = {k: fitted(total) for k, (_, total) in enumerate(tried)}
     crowded = {(placed[k].effect.name, placed[k].site) for k in contest._crowded_out(found)}
     assert crowded == {*confused}
+
+
+def fitted(total: float) -> SimpleNamespace:
+    """A candidate that gains so much."""
+    fit = SimpleNamespace(below=lambda _: total)
+    return SimpleNamespace(gain=SimpleNamespace(total=total), fitted_model=SimpleNamespace(fit=fit))
