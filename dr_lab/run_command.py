@@ -1,6 +1,7 @@
 """The command that made a run folder, as its configuration tells it."""
 
 import re
+import shlex
 from pathlib import Path
 
 CONFIG_FILE = "config.yaml"
@@ -12,6 +13,12 @@ def command_of(folder: Path) -> str:
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
     made = re.match(r"# (dr-lab \w+.*)", lines[0]) if lines else None
     return made[1] if made else ""
+
+
+def config_dirs_of(folder: Path) -> list[str]:
+    """The flags of that command that name configuration folders, as shell words."""
+    words = shlex.split(command_of(folder))
+    return [word for k, flag in enumerate(words) if flag == "--config-dir" for word in words[k : k + 2]]
 
 
 def verb_of(folder: Path) -> str:

@@ -17,7 +17,7 @@ from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose
 from dr_lab.cli.provenance import write_config
 from dr_lab.cli.resuming import require_same_settings
 from dr_lab.cli.threads import algebra_on_one_thread
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, DrLabError
 from dr_lab.reports.typed import view_command
 from dr_lab.run_command import CONFIG_FILE
 from dr_lab.stopping import stop_if_asked
@@ -82,9 +82,16 @@ def run_job(job: Job, cfg: DictConfig) -> None:
         discard(job, cfg)
         raise
     if RUN_DIR in arguments and arguments[RUN_DIR] != job.output_dir:
-        print(f"{_shortest(job.output_dir)} holds another run; this one goes to {_shortest(arguments[RUN_DIR])}.\n")
-    with algebra_on_one_thread():
-        workflow(**arguments)
+        earlier = arguments.get(RESUME)
+        same = earlier is not None and Path(earlier).expanduser().absolute() == job.output_dir.absolute()
+        holds = "holds the run that is gone on with" if same else "holds another run"
+        print(f"{_shortest(job.output_dir)} {holds}; this one goes to {_shortest(arguments[RUN_DIR])}.\n")
+    try:
+        with algebra_on_one_thread():
+            workflow(**arguments)
+    except DrLabError:
+        _remove_if_nothing_was_done(arguments.get(RUN_DIR))
+        raise
     stop_if_asked()
     if RUN_DIR in arguments:
         folder = _shortest(arguments[RUN_DIR])
@@ -169,6 +176,13 @@ def discard(job: Job, cfg: DictConfig) -> None:
     with contextlib.suppress(OSError):  # the first that is not empty ends it
         for path in (job.output_dir, *inside):
             path.rmdir()
+
+
+def _remove_if_nothing_was_done(folder: Path | None) -> None:
+    """Remove a run folder that holds its configuration alone, and the number of another run that it took."""
+    if folder is not None and [path.name for path in folder.iterdir()] == [CONFIG_FILE]:
+        (folder / CONFIG_FILE).unlink()
+        folder.rmdir()
 
 
 def _shortest(folder: Path) -> Path:

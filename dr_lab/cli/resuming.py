@@ -8,7 +8,7 @@ from omegaconf import DictConfig, ListConfig, OmegaConf
 
 from dr_lab.errors import ConfigError
 from dr_lab.reports.typed import typed
-from dr_lab.run_command import CONFIG_FILE, verb_of
+from dr_lab.run_command import CONFIG_FILE, config_dirs_of, verb_of
 
 _NOT_SETTINGS = ("defaults", "made_with", "outputs", "resume")
 _SHOWN = 3  # differences
@@ -49,11 +49,11 @@ def require_same_settings(cfg: DictConfig, run: Path, verb: str, may_differ: Col
     shown = "; ".join(f"{key} is {_text(here, key)}, there {_text(there, key)}" for key in different[:_SHOWN])
     more = f"; and {len(different) - _SHOWN} more" if len(different) > _SHOWN else ""
     words = [word for word in OmegaConf.select(recorded, "made_with.overrides") or () if not word.startswith("resume=")]
-    folder = shlex.quote(str(run))
+    folders = shlex.join(["--config-dir", str(run), *config_dirs_of(run)])
     raise ConfigError(
         f"resume={run} is a run with other settings: {shown}{more}. Its overrides were: {shlex.join(words) or 'none'}. "
         f"Give the same (only {', '.join(may_differ)} may change), or go on with its recorded configuration: "
-        f"dr-lab {verb} --config-dir {folder} --config-name config {typed('resume', run)}. "
+        f"dr-lab {verb} {folders} --config-name config {typed('resume', run)}. "
         "Or start a new run, without resume."
     )
 

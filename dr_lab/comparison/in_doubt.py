@@ -13,15 +13,19 @@ from dr_lab.reports.quantity import number, percent
 
 
 def in_doubt(ladder: Ladder, settings: EvidenceSettings) -> list[NoteEntry]:
-    """Note on an effect that stands nowhere, but would close so much of the gap that it is worth a trial.
+    """Note on an effect without support that closes so much of the gap that it is worth a trial.
 
     1. A climb that ends without an effect dropped one as the last: what that closes alone is told.
     2. Where nothing was added, as `dr-lab diagnose` does, it is the first one that the first rung finds worth a trial.
+    3. Of effects that a user added it is the first without support.
     """
-    if ladder.steps or ladder.verdict(settings) != "unexplained":
-        return []
     first, doubt = ladder.rungs[0], ladder.doubt
-    if doubt is not None:
+    unproven = next((k for k, step in enumerate(ladder.steps) if not step.proven), None)
+    if unproven is not None:
+        effect, (base, model) = ladder.steps[unproven].effect, ladder.models[unproven : unproven + 2]
+    elif ladder.steps or ladder.verdict(settings) != "unexplained":
+        return []
+    elif doubt is not None:
         effect, base, model = doubt.step.effect, doubt.base, doubt.step.fitted_model
     elif first.verdict.trial and not ladder.dropped:
         found = next(c for c in first.ranking if c.effect.label == first.verdict.trial[0])

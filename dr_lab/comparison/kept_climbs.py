@@ -1,13 +1,13 @@
 """How far a run's climbs have come, in files from which another run goes on to the same end.
 
-A file holds a line that says what it belongs to, and a pickle. In the place of what the other run makes anew, such as
+A file holds a line that tells what it belongs to, and a pickle. In the place of what the other run makes anew, such as
 the model and the windows, it holds their names. Only classes of dr_lab and arrays are read, no other code is run.
 """
 
 import hashlib
+import json
 import pickle
 import shutil
-from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -22,7 +22,7 @@ from dr_lab.errors import ConfigError, DataError
 from dr_lab.files import atomic
 from dr_lab.physics.compiled_contexts import packed
 from dr_lab.physics.model import Model
-from dr_lab.trajectory import Log, Signal
+from dr_lab.trajectory import Log
 from dr_lab.version import __version__
 
 UNFINISHED = "unfinished"  # folder of a run
@@ -100,7 +100,7 @@ class KeptClimbs:
         self._known[length] = reached
         if self._folder is not None:
             with atomic(_file(self._folder, length)) as temporary, temporary.open("wb") as file:
-                file.write(_belongs(study))
+                file.write(json.dumps(_belongs(study)).encode() + b"\n")
                 _Pickler(file, study).dump(reached)
 
     def clear(self) -> None:
@@ -116,8 +116,8 @@ def _file(folder: Path, length: float) -> Path:
 def _read(path: Path, study: Study) -> Reached:
     remedy = "Start a new run, without resume."
     with path.open("rb") as file:
-        if file.readline() != _belongs(study):
-            raise DataError(f"{path} belongs to another model file, other logs or another version of dr_lab. {remedy}")
+        if changed := _changed(file.readline(), study):
+            raise DataError(f"{path} is no use any more: since then {changed}. {remedy}")
         try:
             found = _Unpickler(file, study).load()
         except _DAMAGED as error:
@@ -126,19 +126,31 @@ def _read(path: Path, study: Study) -> Reached:
     return found
 
 
-def _belongs(study: Study) -> bytes:
-    """A line that tells logs, model and version from others."""
-    told = hashlib.sha256(packed(study.compiled).tobytes())
-    for log in (*study.measurements.fit, *study.measurements.held_out):
-        for signal in _signals(log):
-            told.update(f"{log.name}/{signal.name}/{signal.between}".encode())
-            told.update(np.ascontiguousarray(signal.time).tobytes())
-            told.update(np.ascontiguousarray(signal.value).tobytes())
-    return f"dr_lab {__version__} {told.hexdigest()}\n".encode()
+def _belongs(study: Study) -> dict[str, str]:
+    """What tells the version, the model and each log from others, by what it is called."""
+    logs = (*study.measurements.fit, *study.measurements.held_out)
+    model = hashlib.sha256(packed(study.compiled).tobytes()).hexdigest()
+    return {"dr_lab": __version__, "the model file": model} | {f"log {log.name}": _digest(log) for log in logs}
 
 
-def _signals(log: Log) -> Iterable[Signal]:
-    return (*log.outputs.values(), *log.commands.values())
+def _digest(log: Log) -> str:
+    told = hashlib.sha256()
+    for signal in (*log.outputs.values(), *log.commands.values()):
+        told.update(f"{signal.name}/{signal.between}".encode())
+        told.update(np.ascontiguousarray(signal.time).tobytes())
+        told.update(np.ascontiguousarray(signal.value).tobytes())
+    return told.hexdigest()
+
+
+def _changed(line: bytes, study: Study) -> str:
+    """What differs from what a file's first line tells, in words; empty where nothing does."""
+    now = _belongs(study)
+    try:
+        then = dict(json.loads(line))
+    except ValueError:
+        return "its first line was changed"
+    different = [name for name in {**then, **now} if then.get(name) != now.get(name)]
+    return f"{', '.join(different)} changed" if different else ""
 
 
 def _shared(study: Study) -> dict[str, object]:

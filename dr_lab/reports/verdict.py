@@ -115,6 +115,8 @@ def _unexplained(report: GapReport) -> str:
     told = [law.told for law in report.judged.laws if law.refuted]
     if told:
         return f"**Unexplained:** {' '.join(told)}"
+    if _notes(report, IN_DOUBT):
+        return "**Unexplained:** what was added is not beyond doubt."
     one, share = len(added) == 1, report.judged.gap_closed
     closes = f"{'closes' if one else 'together close'} {percent(share)} of a typical window's gap"
     if share is not None and share <= 0:

@@ -1,12 +1,14 @@
 """A climb that ends with nothing tells what would explain much of the gap, but not beyond doubt."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from trial_machines import BLOCKS, SCATTERED, SETTINGS, SIMPLE, WIDE, Machine, climb
 
 from dr_lab.comparison.in_doubt import in_doubt
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.reports.gap_entries import IN_DOUBT
 from dr_lab.trajectory import Array
@@ -42,3 +44,12 @@ def test_nothing_is_said_where_nothing_gains_or_where_all_is_clear(
     monkeypatch: pytest.MonkeyPatch, gain: Array
 ) -> None:
     assert in_doubt(climb(machine(gain), monkeypatch), SETTINGS) == []
+
+
+def test_what_a_user_added_without_support_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = climb(machine(HALF), monkeypatch, most=0)
+    best = found.rungs[0].ranking[0]
+    added = replace(found, steps=(AddedEffect(best.fitted_model, (), proven=False),))
+    (note,) = in_doubt(added, SETTINGS)
+    assert note.message.startswith(f"**In doubt:** `{SIMPLE.label}` closes 64 % of a typical window's gap, χ² 20.99")
+    assert in_doubt(replace(added, steps=(AddedEffect(best.fitted_model, ()),)), SETTINGS) == []

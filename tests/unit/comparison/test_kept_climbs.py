@@ -102,7 +102,7 @@ def test_what_a_run_makes_anew_is_not_in_the_file_but_named(interrupted: Path, t
 
 
 def test_other_logs_are_refused(interrupted: Path) -> None:
-    with pytest.raises(DataError, match="belongs to another model file, other logs or another version of dr_lab"):
+    with pytest.raises(DataError, match=r"since then log log_0, log log_1, log log_2 changed\. Start"):
         climbed_with(KeptClimbs(None, interrupted), Silence(), torque=0.06)
 
 
