@@ -64,8 +64,8 @@ def can_go_on(job: Job) -> bool:
 def run_job(job: Job, cfg: DictConfig) -> None:
     """Check, build and run.
 
-    Nothing is built before the whole configuration is found sound, and a job that fails before its work starts
-    leaves no folder behind.
+    Nothing is built before the whole configuration is found sound, and a job that fails before its work starts, or
+    is refused before it left anything, leaves no folder behind.
 
     Args:
         job: which one.
@@ -79,27 +79,35 @@ def run_job(job: Job, cfg: DictConfig) -> None:
         workflow, arguments = build(job, cfg)
         stop_if_asked()
     except BaseException:
-        discard(job, cfg)
+        discard(job.output_dir, cfg)
         raise
     if RUN_DIR in arguments and arguments[RUN_DIR] != job.output_dir:
-        earlier = arguments.get(RESUME)
-        same = earlier is not None and Path(earlier).expanduser().absolute() == job.output_dir.absolute()
-        holds = "holds the run that is gone on with" if same else "holds another run"
-        print(f"{_shortest(job.output_dir)} {holds}; this one goes to {_shortest(arguments[RUN_DIR])}.\n")
+        _tell_other_folder(job.output_dir, arguments[RUN_DIR], arguments.get(RESUME))
     try:
         with algebra_on_one_thread():
             workflow(**arguments)
     except DrLabError:
-        _remove_if_nothing_was_done(arguments.get(RUN_DIR))
+        if RUN_DIR in arguments and [path.name for path in arguments[RUN_DIR].iterdir()] == [CONFIG_FILE]:
+            (arguments[RUN_DIR] / CONFIG_FILE).unlink()
+            discard(arguments[RUN_DIR], cfg)
         raise
     stop_if_asked()
     if RUN_DIR in arguments:
-        folder = _shortest(arguments[RUN_DIR])
-        print(f"\nRun folder: {folder}")
-        if (folder / "report.html").exists():
-            print(f"Report to send: {folder / 'report.html'}")
-        if (folder / "review.rrd").exists():
-            print(f"Look at it: {view_command(folder)}")
+        _tell_files(_shortest(arguments[RUN_DIR]))
+
+
+def _tell_other_folder(wanted: Path, taken: Path, earlier: str | None) -> None:
+    same = earlier is not None and Path(earlier).expanduser().absolute() == wanted.absolute()
+    holds = "holds the run that is gone on with" if same else "holds another run"
+    print(f"{_shortest(wanted)} {holds}; this one goes to {_shortest(taken)}.\n")
+
+
+def _tell_files(folder: Path) -> None:
+    print(f"\nRun folder: {folder}")
+    if (folder / "report.html").exists():
+        print(f"Report to send: {folder / 'report.html'}")
+    if (folder / "review.rrd").exists():
+        print(f"Look at it: {view_command(folder)}")
 
 
 def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]]:
@@ -164,25 +172,18 @@ def numbered(folder: Path) -> Iterator[Path]:
         yield folder.with_name(f"{folder.name}_{number}")
 
 
-def discard(job: Job, cfg: DictConfig) -> None:
-    """Remove a job's folder and, up to but not including `outputs`, those above it, as far as they hold nothing else.
+def discard(folder: Path, cfg: DictConfig) -> None:
+    """Remove a run's folder and, up to but not including `outputs`, those above it, as far as they hold nothing else.
 
     Args:
-        job: which one.
-        cfg: its composed configuration without Hydra's node.
+        folder: as Hydra spells it.
+        cfg: the run's composed configuration without Hydra's node.
     """
     top = Path(os.path.abspath(str(cfg.get("outputs", "."))))  # as Hydra spells the job's folder, without ".."
-    inside = [path for path in job.output_dir.parents if path.is_relative_to(top) and path != top]
+    inside = [path for path in folder.parents if path.is_relative_to(top) and path != top]
     with contextlib.suppress(OSError):  # the first that is not empty ends it
-        for path in (job.output_dir, *inside):
+        for path in (folder, *inside):
             path.rmdir()
-
-
-def _remove_if_nothing_was_done(folder: Path | None) -> None:
-    """Remove a run folder that holds its configuration alone, and the number of another run that it took."""
-    if folder is not None and [path.name for path in folder.iterdir()] == [CONFIG_FILE]:
-        (folder / CONFIG_FILE).unlink()
-        folder.rmdir()
 
 
 def _shortest(folder: Path) -> Path:

@@ -77,5 +77,5 @@ def _require_no_search(job: Job, cfg: DictConfig, hydra: HydraConf) -> None:
     try:
         require_no_search(hydra.sweeper, job.verb, job.overrides)
     except ConfigError:
-        discard(job, cfg)
+        discard(job.output_dir, cfg)
         raise

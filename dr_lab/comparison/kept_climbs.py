@@ -75,7 +75,7 @@ class KeptClimbs:
             )
 
     @property
-    def any(self) -> bool:
+    def begun(self) -> bool:
         """Whether anything is kept."""
         return bool(self._known)
 

@@ -101,6 +101,11 @@ class Model:
             if isinstance(effect.effect, part):
                 yield from ((effect, element, effect.effect) for element in effect.elements)
 
+    @property
+    def lawful(self) -> bool:
+        """Whether laws act from step to step."""
+        return any(True for _ in self.having(ForceLaw))
+
     def spec_at(self, z: Array) -> mujoco.MjSpec:
         """Fresh spec with the context z written into it; z shape (n,)."""
         values = self.space.mapping(z)

@@ -77,6 +77,6 @@ def _to_go_on(kept: KeptClimbs, run_dir: Path) -> Iterator[None]:
     try:
         yield
     except (KeyboardInterrupt, Terminated):
-        if kept.any:
+        if kept.begun:
             print(f"Interrupted. To go on, add {typed('resume', run_dir)}")
         raise

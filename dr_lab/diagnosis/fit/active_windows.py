@@ -10,7 +10,6 @@ from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import quick_differences
 from dr_lab.diagnosis.settings import SolverSettings
-from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.trajectory import Array
 
 _NO_PARAMETER = np.zeros(0, np.intp)
@@ -39,8 +38,7 @@ class ActiveWindows:
 
         Where laws act from step to step, few simulations take about as long as one. Else each takes its own time.
         """
-        lawful = any(True for _ in self.replay.model.having(ForceLaw))
-        return min(_AT_ONCE, max(_FEW // len(self.rows), 1)) if lawful else 1
+        return min(_AT_ONCE, max(_FEW // len(self.rows), 1)) if self.replay.model.lawful else 1
 
     def narrowed(self, active: NDArray[np.bool_]) -> "ActiveWindows":
         """The active windows alone, once they are so few that new simulations of them pay."""

@@ -9,7 +9,6 @@ from dr_lab.diagnosis.next_experiment.clearance import Clearance
 from dr_lab.diagnosis.next_experiment.family import Bounds
 from dr_lab.diagnosis.next_experiment.limits import Limits
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
-from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Noise, Signal
 
@@ -32,11 +31,6 @@ class Contender:
     def label(self) -> str:
         """Its last effect, or its name where it has none."""
         return self.model.effects[-1].label if self.model.effects else self.model.name
-
-    @property
-    def lawful(self) -> bool:
-        """Whether laws act from step to step."""
-        return any(True for _ in self.model.having(ForceLaw))
 
     def drawn(self, count: int, spread: float, generator: np.random.Generator) -> Array:
         """The fitted context and others within what the fit does not know, shape (1 + count, n)."""

@@ -77,7 +77,7 @@ class Search:
         self._settings = settings
         self._time = machine.command_times(duration)
         self._duration = float(self._time[-1])
-        share = settings.lawful if any(each.lawful for each in aim.contenders) else 1.0
+        share = settings.share_with_laws if any(each.model.lawful for each in aim.contenders) else 1.0
         self._simulations, self._refitted = (
             max(1, round(share * count)) for count in (settings.simulations, settings.refitted)
         )

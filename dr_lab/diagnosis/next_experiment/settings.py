@@ -34,7 +34,7 @@ class ExperimentSettings:
         seconds: s of each experiment on which that is done.
         iterations: steps of a rough refit.
         refitted: the best experiments that are judged by refits in the end.
-        lawful: share of the simulations, and of the refits in the end, where laws act from step to step.
+        share_with_laws: share of the simulations, and of the refits in the end, where laws act from step to step.
         longest_window: share of an experiment's duration that a window takes at most.
         look: s between two looks at the distances of parts.
         fine_look: the same for the best experiments.
@@ -64,7 +64,7 @@ class ExperimentSettings:
     seconds: Positive
     iterations: Count
     refitted: Count
-    lawful: Share
+    share_with_laws: Share
     longest_window: Annotated[float, above(0.0), at_most(0.5)]
     look: Positive
     fine_look: Positive
