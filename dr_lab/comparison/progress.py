@@ -24,6 +24,7 @@ from dr_lab.reports.quantity import number
 from dr_lab.reports.screen import ScreenMarkdown
 
 _PARTS = 4  # of a ranking that get a line each
+_NAMED = 3  # most effects that are told by their names
 _ANEW = "The model itself was found to fit better: trying all anew"
 _LONGEST = 10.0  # s between two lines, as far as candidates are done in them
 
@@ -55,8 +56,9 @@ class _Lines:
     def phase(self, text: str) -> None:
         self._line(f"{text} …")
 
-    def ranking(self, count: int) -> Callable[[str], None]:
-        self.phase(_trying(count))
+    def ranking(self, labels: Sequence[str]) -> Callable[[str], None]:
+        self.phase(_trying(labels))
+        count = len(labels)
         tried, told, began = 0, 0, time.monotonic()
         last, lock = began, Lock()
 
@@ -94,8 +96,9 @@ class _Bars:
     def phase(self, text: str) -> None:
         self._begin(text, None)
 
-    def ranking(self, count: int) -> Callable[[str], None]:
-        task, tried = self._begin(_trying(count), count), 0
+    def ranking(self, labels: Sequence[str]) -> Callable[[str], None]:
+        count = len(labels)
+        task, tried = self._begin(_trying(labels), count), 0
 
         def done(label: str) -> None:
             nonlocal tried
@@ -140,8 +143,9 @@ def _left(seconds: float) -> str:
     return f"; {seconds:.0f} s left at most" if seconds < 90 else f"; {seconds / 60:.0f} min left at most"
 
 
-def _trying(count: int) -> str:
-    return f"Trying {count} effects" if count != 1 else "Trying 1 effect"
+def _trying(labels: Sequence[str]) -> str:
+    """What is tried: few by their names, such as what was found at one joint at the others."""
+    return f"Trying {', '.join(labels) if len(labels) <= _NAMED else f'{len(labels)} effects'}"
 
 
 def _so_far(labels: Sequence[str], before: float, after: float) -> str:

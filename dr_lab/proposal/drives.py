@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dr_lab.measurements.units import unit as unit_of
 from dr_lab.proposal.by_name import matches, said_of
-from dr_lab.proposal.command_units import unit_by_gain
+from dr_lab.proposal.command_units import factors, unit_by_gain
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
 from dr_lab.proposal.trial import Given, Outcome
@@ -206,7 +206,8 @@ def _command(
     unit, scale, doubts = unit_by_gain(gain, base, said, settings, stated=servo or not drive.added)
     explained = 1 - given.left / max(idle, np.finfo(float).tiny)
     late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
-    why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}{drive.told}"
+    beside = gain / (scale * factors(base, said).get(unit, 1.0))  # what unit and scale leave of it
+    why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {beside:.2g}{drive.told}"
     if explained < settings.explained:
         doubts = _unexplained(drive, mine, given, max(explained, 0.0))
         unit, why = mine.words.unit or base, f"by its name{drive.told}"

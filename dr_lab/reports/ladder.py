@@ -7,6 +7,7 @@ from dr_lab.reports.gap_entries import CandidateEntry, ErrorsEntry, Parameters
 
 # Verdicts of a report that name no effect, although the ranking of one of its models may have a best one.
 _NAMING_NONE = ("unexplained", "none", "not_excited")
+STANDING = ("named", "equivalent")  # statuses of candidates that the answer may speak of
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ def steps(report: GapReport) -> list[LadderModel]:
 
 def kept_effects(report: GapReport) -> frozenset[str]:
     """The effects that the answer speaks of: those that were added, and those that are named or equivalent."""
-    stand = (row.label for row in report.judged.ranking if row.status in ("named", "equivalent"))
+    stand = (row.label for row in report.judged.ranking if row.status in STANDING)
     beside = (rival for rung in report.catalogued for rival in rung.rivals or ())
     return frozenset((*report.added, *stand, *beside))
 

@@ -124,7 +124,8 @@ def _by_step(parameters: Parameters) -> list[str]:
     ]
     if not mostly:
         return []
-    return [f"- The time step gives most of the ± of {', '.join(mostly)}: a smaller one in the MJCF would narrow it."]
+    told = f"- The time step that was simulated with gives most of the ± of {', '.join(mostly)}"
+    return [f"{told}: a smaller `timestep` in the MJCF narrows it."]
 
 
 def _missing_forces(report: GapReport) -> str:

@@ -8,6 +8,7 @@ _WRITTEN_OUT = 6  # digits before the point up to which no power of ten is writt
 _COUNTED = 1e9  # whole numbers below it are counts, such as control steps, and have all their digits
 _FEWEST, _FINEST = 3, 6  # significant digits of values beside one another
 _LISTED = 6  # names
+_NEARLY_ALL = 0.99  # share of one
 _MOST = 10.0  # share of one, either sign, beyond which it says no more than that it is large
 
 
@@ -86,12 +87,14 @@ def uncertain(value: float | None, std: float | None, unit: str) -> str:
 
 
 def percent(share: float | None) -> str:
-    """A share of one as whole per cent, one decimal below 10 %; what rounds to zero is 0.
+    """A share of one as whole per cent, one decimal below 10 % and above 99 %; what rounds to zero is 0.
 
-    A share of more than ten, either sign, is only said to be that.
+    What is less than all is never rounded up to it. A share of more than ten, either sign, is only said to be that.
 
     >>> percent(0.953), percent(0.0123), percent(0.0)
     ('95 %', '1.2 %', '0 %')
+    >>> percent(0.99996), percent(1.0)
+    ('99.9 %', '100 %')
     >>> percent(-1.25e8), percent(366.0)
     ('below -1000 %', 'above 1000 %')
     """
@@ -99,6 +102,8 @@ def percent(share: float | None) -> str:
         return ABSENT
     if abs(share) > _MOST:
         return f"{'above ' if share > 0 else 'below -'}{100 * _MOST:.0f} %"
+    if _NEARLY_ALL < share < 1.0:
+        return f"{math.floor(1000 * share) / 10:.1f} %"
     text = f"{100 * share:.0f}" if abs(share) >= 0.1 else f"{100 * share:z.1f}"
     return "0 %" if text == "0.0" else f"{text} %"
 

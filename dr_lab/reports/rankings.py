@@ -1,11 +1,11 @@
 """The rankings of a report, rung by rung, in the order of what they show."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import CandidateEntry, JudgedRungEntry
-from dr_lab.reports.ladder import judged
+from dr_lab.reports.ladder import STANDING, judged
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,14 @@ def naming(report: GapReport) -> list[Ranking]:
     told = []
     for index, (each, rung) in enumerate(zip(rankings(report), found.rungs, strict=True)):
         brought = {*rung.chosen, *rung.on_trial} & {*report.added}
-        rows = rung.ranking or (found.ranking if index == 0 else ())
         if index == 0 or brought:
-            told.append(replace(each, rows=tuple(sorted(rows, key=lambda row: row.label not in brought))))
+            told.append(replace(each, rows=tuple(sorted(each.rows, key=lambda row: _standing(row, brought)))))
     return told
+
+
+def _standing(row: CandidateEntry, brought: Collection[str]) -> tuple[bool, bool, bool, bool]:
+    """What the answer speaks of comes first, then what stands; behind the rest what few windows or none tried."""
+    return row.label not in brought, row.status not in STANDING, not row.fitted, not row.final
 
 
 def by_gain(ranking: Sequence[CandidateEntry]) -> tuple[CandidateEntry, ...]:

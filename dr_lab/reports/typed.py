@@ -7,6 +7,8 @@ from pathlib import Path
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Quote, QuotedString
 
+from dr_lab.run_command import config_dirs_of
+
 
 def typed(key: str, value: Path | str) -> str:
     """``key=value``: quoted for the shell and for Hydra, to which signs are grammar and some words are no text."""
@@ -22,8 +24,9 @@ def view_command(run: Path | str) -> str:
 
 def add_formula_command(run: Path | str, joint: str, measurements: str) -> str:
     """`dr-lab add` of the formula that a run's report has for a joint, to the model that the run ended with."""
+    own = shlex.join(["add", *config_dirs_of(Path(run))])
     site, found, model = typed("effect.joint", joint), typed("effect.run", run), typed("model.run", run)
-    return f"dr-lab add effect=formula {site} {found} model=from_run {model} {typed('measurements', measurements)}"
+    return f"dr-lab {own} effect=formula {site} {found} model=from_run {model} {typed('measurements', measurements)}"
 
 
 def _is_text(value: str) -> bool:

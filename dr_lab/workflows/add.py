@@ -58,7 +58,7 @@ def add(
         told.phase("Calibrating the model")
         ladder = Ladder((), calibrate(study), ())
         for one in placed:
-            ladder = _extend(study, ladder, one, told.ranking(1))
+            ladder = _extend(study, ladder, one, told.ranking([one.label]))
         lessons = [_lesson(study, ladder, *pair, told) for pair in zip(learned, joints, strict=True)]
         ladder = ladder if ladder.rungs else _judged_as_it_is(study, ladder)
         return report_ladder(Told("add", tuple(lessons), always=True), study, ladder, Run(run_dir, recorder, told))

@@ -37,8 +37,8 @@ class FirmLoops:
     def message(self) -> str:
         """What was changed and why."""
         return (
-            f"{self.seen} All models here are simulated with {self.asked} in its place. model.xml carries it: "
-            "set it in the MJCF, or say there how soft the chains are."
+            f"{self.seen} All models here are simulated with {self.asked} in its place. The model.xml of a run "
+            "has that; your own MJCF has not: set it there, too, or say there how soft the chains are."
         )
 
 

@@ -140,8 +140,9 @@ def _refined(model: Model, floor: NumericalFloor, found: _Tried, rest: str) -> R
     if any(new.actearly != old.actearly for new, old in pairs):
         asked.append('actearly "false"')
     message = (
-        f"{_moved(floor)} All models here are simulated with {', '.join(asked)} in its place, which moves it by "
-        f"{found.share:.2g}, at {found.cost} times the cost.{rest} model.xml carries it: set it in the MJCF."
+        f"{_moved(floor)} All models here are simulated with {', '.join(asked)} in its place: {found.share:.2g} "
+        f"standard deviations are left, at {found.cost} times the cost.{rest} The model.xml of a run has that; "
+        "your own MJCF has not: set it there, too."
     )
     return Refinement(found.model, floor.step, floor.largest, found.share, message)
 

@@ -67,7 +67,8 @@ def misread(forces: Forces, measured: MeasurementSet) -> Misreading | None:
     if (given := _mean(declared.unexplained(*plausible))) < settings.share:
         return None
     least = _mean(declared.unexplained(-np.inf, np.inf))
-    every = [*_positions(model, motion, logs, bad), *_swaps(model, logs, bad), *_commands(model, forces, bad)]
+    every = [*_positions(model, motion, logs, bad), *_swaps(model, logs, bad)]
+    every += [*_commands(model, forces, bad), *_crossed(model, forces, bad)]
     anew = (Forces.of(model, each.logs(logs), each.motion(motion), settings) for each in every)
     tried = [(_mean(read.unexplained(*plausible)), each) for read, each in zip(anew, every, strict=True)]
     far = sorted((pair for pair in tried if pair[0] <= settings.contrast * least), key=lambda pair: pair[0])
@@ -118,13 +119,26 @@ def _swaps(model: mujoco.MjModel, logs: Sequence[Log], dofs: Sequence[int]) -> I
 
 def _commands(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Iterator[_Reading]:
     """Commands in another unit, of the actuators that move these joints."""
-    joints = {model.joint(int(model.dof_jntid[dof])).name for dof in dofs}
-    for name in dict.fromkeys(fit.actuator for fit in forces.drives() if fit.joint in joints):
+    for name in _driving(model, forces, dofs):
         unit = next(log.commands[name].unit for log in forces.logs if name in log.commands)
         for words, factor in known_factors(unit).items():
             told = f"{name} seems to be in {words}"
             remedy = remedy_of_factor(name, factor)
             yield _Reading("unit", name, told, remedy, lambda motion: motion, _multiplied(name, factor))
+
+
+def _crossed(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Iterator[_Reading]:
+    """Commands of two of the actuators that move these joints, exchanged: plugs or columns that were mixed up."""
+    for one, other in itertools.combinations(_driving(model, forces, dofs), 2):
+        told = f"the commands of {one} and {other} seem to be exchanged"
+        remedy = f"Exchange what measurements.commands names for {one} and {other}."
+        yield _Reading("swapped", one, told, remedy, lambda motion: motion, _exchanged(one, other))
+
+
+def _driving(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> list[str]:
+    """Names of the commanded actuators that move these joints."""
+    joints = {model.joint(int(model.dof_jntid[dof])).name for dof in dofs}
+    return list(dict.fromkeys(fit.actuator for fit in forces.drives() if fit.joint in joints))
 
 
 def _channel(model: mujoco.MjModel, dof: int, logs: Sequence[Log]) -> str:
@@ -153,6 +167,18 @@ def _multiplied(name: str, factor: float) -> Callable[[Sequence[Log]], Sequence[
         return [
             replace(log, commands={**log.commands, name: replace(sent, value=factor * sent.value)})
             if (sent := log.commands.get(name)) is not None
+            else log
+            for log in logs
+        ]
+
+    return read
+
+
+def _exchanged(one: str, other: str) -> Callable[[Sequence[Log]], Sequence[Log]]:
+    def read(logs: Sequence[Log]) -> Sequence[Log]:
+        return [
+            replace(log, commands={**log.commands, one: log.commands[other], other: log.commands[one]})
+            if {one, other} <= log.commands.keys()
             else log
             for log in logs
         ]

@@ -89,7 +89,7 @@ def climb(
         placed = _to_try(ladder, found.placed, bench.evidence)
         ranking = _as_before(ladder, placed, bench.evidence)
         ranking = ranking or _elsewhere(bench, ladder, placed, watch)
-        ranking = ranking or rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
+        ranking = ranking or rank(bench, ladder.models[-1], placed, watch.ranking(labels(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over:
@@ -121,7 +121,7 @@ def _elsewhere(bench: Bench, ladder: Ladder, placed: Sequence[PlacedEffect], wat
     several = sum(step.proven and step.effect.effect.name == name for step in ladder.steps) > 1
     if not 0 < len(same) < len(placed) or not (ladder.steps[-1].proven or several):
         return None
-    ranking = rank(bench, last, same, watch.ranking(len(same)))
+    ranking = rank(bench, last, same, watch.ranking(labels(same)))
     verdict = Rung.judged(bench, ranking.base, ranking.candidates).verdict
     return ranking if verdict.effects or (several and verdict.trial) else None
 

@@ -11,8 +11,8 @@ class ClimbWatch(Protocol):
         """Something else begins."""
         ...
 
-    def ranking(self, count: int) -> Callable[[str], None]:
-        """So many candidates are tried now; what is returned is called with the label of each that is done."""
+    def ranking(self, labels: Sequence[str]) -> Callable[[str], None]:
+        """These candidates are tried now; what is returned is called with the label of each that is done."""
         ...
 
     def found(self, labels: Sequence[str], before: float, after: float) -> None:
@@ -32,9 +32,9 @@ class Silence:
     def phase(self, text: str) -> None:
         """Keep it."""
 
-    def ranking(self, count: int) -> Callable[[str], None]:
+    def ranking(self, labels: Sequence[str]) -> Callable[[str], None]:
         """Keep it, and each label."""
-        del count
+        del labels
         return lambda label: None
 
     def found(self, labels: Sequence[str], before: float, after: float) -> None:

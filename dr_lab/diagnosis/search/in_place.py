@@ -7,7 +7,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.search.as_special_case import holds, reaching
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
-from dr_lab.diagnosis.search.deletions import Deletions
+from dr_lab.diagnosis.search.deletions import Deletions, labels
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.rung import Rung
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -68,7 +68,7 @@ def _ranked(
     """The effect of a step ranked with its rivals and others, by label, beside a model without it."""
     rivals = [rival.effect for rival in step.rivals if rival.effect.label not in asked]
     pool = [step.effect, *rivals, *asked.values()]
-    ranking = rank(bench, below, pool, watch.ranking(len(pool)))
+    ranking = rank(bench, below, pool, watch.ranking(labels(pool)))
     return Rung.judged(bench, ranking.base, ranking.candidates)
 
 

@@ -37,9 +37,9 @@ class Counting(Silence):
     def phase(self, text: str) -> None:
         self.phases.append(text)
 
-    def ranking(self, count: int):  # noqa: ANN201
-        self.counts.append(count)
-        return super().ranking(count)
+    def ranking(self, labels: Sequence[str]):  # noqa: ANN201
+        self.counts.append(len(labels))
+        return super().ranking(labels)
 
 
 def study(torque: float = 0.05) -> Study:

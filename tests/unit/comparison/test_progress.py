@@ -15,6 +15,10 @@ def console(monkeypatch: pytest.MonkeyPatch) -> Console:
     return made
 
 
+def effects(count: int) -> list[str]:
+    return [f"effect_{k}@joint" for k in range(count)]
+
+
 def printed(console: Console) -> list[str]:
     assert isinstance(console.file, io.StringIO)
     return console.file.getvalue().splitlines()
@@ -30,7 +34,7 @@ def test_without_a_terminal_each_phase_is_a_line_as_soon_as_it_begins(console: C
 
 def test_a_ranking_tells_each_quarter(console: Console) -> None:
     with screen() as told:
-        done = told.ranking(50)
+        done = told.ranking(effects(50))
         for k in range(50):
             done(f"effect_{k}")
     assert printed(console) == [
@@ -46,7 +50,7 @@ def test_a_slow_ranking_tells_every_ten_seconds(console: Console, monkeypatch: p
     now = 0.0
     monkeypatch.setattr(progress.time, "monotonic", lambda: now)
     with screen() as told:
-        done = told.ranking(100)
+        done = told.ranking(effects(100))
         for k in range(20):
             now += 4.0
             done(f"effect_{k}")
@@ -58,7 +62,7 @@ def test_less_than_a_minute_and_a_half_is_told_in_seconds(console: Console, monk
     now = 0.0
     monkeypatch.setattr(progress.time, "monotonic", lambda: now)
     with screen() as told:
-        done = told.ranking(4)
+        done = told.ranking(effects(4))
         for k in range(4):
             now += 20.0
             done(f"effect_{k}")
@@ -77,10 +81,10 @@ def test_what_was_found_so_far_is_told(console: Console) -> None:
     ]
 
 
-def test_one_effect_is_no_ranking(console: Console) -> None:
+def test_few_effects_are_told_by_name_and_one_is_no_ranking(console: Console) -> None:
     with screen() as told:
-        told.ranking(1)("drag")
-    assert printed(console) == ["Trying 1 effect …"]
+        told.ranking(["drag"])("drag")
+    assert printed(console) == ["Trying drag …"]
 
 
 def test_on_a_terminal_there_is_a_bar_and_what_is_shown_stays(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,7 +92,7 @@ def test_on_a_terminal_there_is_a_bar_and_what_is_shown_stays(monkeypatch: pytes
     monkeypatch.setattr(progress, "Console", lambda: made)
     with screen() as told:
         told.phase("Calibrating the model")
-        done = told.ranking(2)
+        done = told.ranking(effects(2))
         done("drag")
         told.found(["drag"], 9.0, 1.0)
         told.show("**Found:** drag.")
@@ -103,11 +107,11 @@ def test_on_a_terminal_there_is_a_bar_and_what_is_shown_stays(monkeypatch: pytes
 
 def test_a_ranking_that_is_made_anew_counts_anew(console: Console) -> None:
     with screen() as told:
-        done = told.ranking(2)
+        done = told.ranking(["drag@cart", "lag@motor"])
         for label in ("drag@cart", "lag@motor", "drag@cart", "lag@motor"):
             done(label)
     assert printed(console) == [
-        "Trying 2 effects …",
+        "Trying drag@cart, lag@motor …",
         "  1 of 2 tried, the last drag@cart",
         "  2 of 2 tried, the last lag@motor",
         "The model itself was found to fit better: trying all anew …",

@@ -70,7 +70,7 @@ def test_values_are_told_whose_uncertainty_is_mostly_the_time_steps(
     name = "coulomb_friction@arm.torque"
     row = close_report["ladder"][-1]["parameters"][name]
     row["std_by_step"] = share * row["std"]
-    assert (f"- The time step gives most of the ± of `{name}`" in page(close_report)) == told
+    assert (f"- The time step that was simulated with gives most of the ± of `{name}`" in page(close_report)) == told
 
 
 def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str, Any]) -> None:

@@ -33,3 +33,10 @@ def test_a_run_and_a_joint_may_be_called_by_a_number() -> None:
     told = add_formula_command("17", "1", "2024").removeprefix("dr-lab add ")
     expected = {"effect": "formula", "model": "from_run", "model.run": "17", "measurements": "2024"}
     assert read(told) == expected | {"effect.joint": "1", "effect.run": "17"}
+
+
+def test_the_users_own_folders_of_configuration_are_typed_again(tmp_path: Path) -> None:
+    made = "# dr-lab close --config-dir 'my own' model=arm measurements=arm\n"
+    (tmp_path / "config.yaml").write_text(made, encoding="utf-8")
+    told = add_formula_command(tmp_path, "elbow", "arm")
+    assert shlex.split(told)[:5] == ["dr-lab", "add", "--config-dir", "my own", "effect=formula"]

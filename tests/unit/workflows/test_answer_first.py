@@ -51,7 +51,7 @@ def test_the_answer_is_out_before_the_recordings_begin(
         for text in (
             "Cutting the logs into windows …",
             "Calibrating the model …",
-            "Trying 1 effect …",
+            "Trying coulomb_friction@hinge …",
             "Scoring the models of the ladder …",
             "No missing effect:",
             "value ± std",
