@@ -116,8 +116,8 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Deletions, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
     monkeypatch.setattr(pruning, "beyond_doubt", lambda *_: np.inf)
     monkeypatch.setattr(pruning, "hidden_by_step", lambda *_: False)
-    for module in (pruning, put_back):
-        monkeypatch.setattr(module, "known_of", machine.known_of)
+    monkeypatch.setattr(put_back, "known_of", machine.known_of)
+    monkeypatch.setattr(pruning, "known", lambda _, found: SimpleNamespace(estimate=machine.known_of(_, found)))
     monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
     monkeypatch.setattr(
         "dr_lab.diagnosis.search.put_back.Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)

@@ -10,11 +10,11 @@ from dr_lab.benchmark.outcome import Outcome, Standing
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.entries import remaining
 from dr_lab.comparison.study import Study
-from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.rung import Rung
+from dr_lab.diagnosis.search.uncertainty import known
 
 
 def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcome:
@@ -98,7 +98,7 @@ def _own_values(study: Study, ladder: Ladder, truth: str) -> dict[str, tuple[flo
     rivals = [c.fitted_model for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
     for fitted_model in (ladder.models[-1], *rivals):
         if any(effect.label == truth for effect in fitted_model.model.effects):
-            found = known(study, fitted_model).estimate
+            found = known(study.bench, fitted_model).estimate
             rows = zip(found.space.names, found.mean.tolist(), found.std.tolist(), strict=True)
             return {k.removeprefix(f"{truth}."): (v, std) for k, v, std in rows if k.startswith(f"{truth}.")}
     return {}

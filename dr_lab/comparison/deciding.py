@@ -8,13 +8,13 @@ import numpy as np
 
 from dr_lab.comparison.experiment_machine import experiment_machine
 from dr_lab.comparison.study import Study
-from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.next_experiment.machine import Contender
 from dr_lab.diagnosis.next_experiment.propose import Proposal, Refusal, separate, sharpen
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.next_experiment.standing import Standing
 from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.uncertainty import known
 from dr_lab.files import write_text
 from dr_lab.reports.gap_entries import ExperimentEntry, SharpenedEntry
 from dr_lab.trajectory import Signal
@@ -54,7 +54,7 @@ def deciding_experiment(
 
 def contender(study: Study, fitted_model: FittedModel) -> Contender:
     """A fitted model with the uncertainty that the report states."""
-    return Contender(fitted_model.model, fitted_model.fit.z, known(study, fitted_model).estimate.covariance)
+    return Contender(fitted_model.model, fitted_model.fit.z, known(study.bench, fitted_model).estimate.covariance)
 
 
 def _entry(

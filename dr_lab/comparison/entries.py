@@ -7,7 +7,6 @@ import numpy as np
 
 from dr_lab.comparison.notes import study_notes
 from dr_lab.comparison.study import Study
-from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor, beyond_white
@@ -18,6 +17,7 @@ from dr_lab.diagnosis.fit.covariance import estimate, per_log
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.law_check import LawCheck
+from dr_lab.diagnosis.search.uncertainty import known
 from dr_lab.diagnosis.search.verdict import Verdict
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.physics.context import ContextEstimate
@@ -105,7 +105,7 @@ def fitted(fit: Fit) -> FitEntry:
 def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate, Parameters]:
     """Estimate of a fitted context and its table, with the scatter between logs in percent (CV)."""
     space, bench = fitted_model.model.space, study.bench
-    found, by_step = known(study, fitted_model)
+    found, by_step = known(bench, fitted_model)
     logs = per_log(space, fitted_model.fit, bench.fit)
     doubted = trust.doubts(found, fitted_model.fit, bench.fit, bench.evidence)
     scatters = [

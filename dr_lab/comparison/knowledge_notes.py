@@ -1,6 +1,6 @@
 """Notes on what the logs leave open, and what is known of the machine may decide."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from math import log
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
@@ -13,8 +13,13 @@ from dr_lab.reports.quantity import in_unit, shortened
 _FAR = 0.5  # of the way to its bound, in logarithms; from there on the other half of what was thought possible begins
 
 
-def richer_effects(rungs: Iterable[Rung]) -> list[NoteEntry]:
-    """Notes on effects that explain as much as what is named, with more parameters; its own richer kinds left out."""
+def richer_effects(rungs: Iterable[Rung], refuted: Collection[str]) -> list[NoteEntry]:
+    """Notes on effects that explain as much as what is named, with more parameters; its own richer kinds left out.
+
+    Args:
+        rungs: of a ladder.
+        refuted: labels of effects that were named on one and do not stand, of which nothing is told.
+    """
     told = []
     for rung in rungs:
         found = {c.effect.label: c.effect for c in rung.ranking}
@@ -24,7 +29,7 @@ def richer_effects(rungs: Iterable[Rung]) -> list[NoteEntry]:
             for label, effect in found.items()
             if rung.verdict.status[label] == "not_needed" and not any(holds(effect, each) for each in named)
         ]
-        if richer:
+        if richer and named[0].label not in refuted:
             message = (
                 f"{shortened(richer)} {'explain' if len(richer) > 1 else 'explains'} as much as {named[0].label}, with "
                 "more parameters. The logs do not ask for these; what is known of the machine may."

@@ -146,7 +146,7 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
     ]
     last = ladder.models[-1]
     of_logs = [*notes.disagreeing_logs(study.bench, last), *notes.shared_loads(study.bench, last)]
-    open_still = [*changed_masses(last), *richer_effects(ladder.rungs)]
+    open_still = [*changed_masses(last), *richer_effects(ladder.rungs, ladder.refuted)]
     return [*notes.few_blocks(study.bench), *of_logs, *open_still, *notes.refused(ladder.refused), *changed]
 
 

@@ -209,8 +209,8 @@ def _ends_at_bounds(effect: PlacedEffect, values: Mapping[str, float]) -> list[s
 def dropped(labels: Sequence[str]) -> list[NoteEntry]:
     """Notes on effects that were added and not kept."""
     told = (
-        "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt, or the "
-        "model predicts no better with it."
+        "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt, it makes "
+        "up for the time step's error, or the model predicts no better with it."
     )
     return [NoteEntry(f"{label} {told}", "dropped") for label in labels]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt
-from dr_lab.diagnosis.evidence.compatible import chance_within, known_of
+from dr_lab.diagnosis.evidence.compatible import chance_within
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain
 from dr_lab.diagnosis.evidence.support import sizeable, supported
@@ -16,6 +16,7 @@ from dr_lab.diagnosis.search.hidden_by_step import hidden_by_step
 from dr_lab.diagnosis.search.put_back import PutBack, Swap, asked_for, closes_little
 from dr_lab.diagnosis.search.restack import swap
 from dr_lab.diagnosis.search.step import AddedEffect
+from dr_lab.diagnosis.search.uncertainty import known
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
 
@@ -147,9 +148,10 @@ def drop_absent(
 ) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
     """Drop effects of one parameter whose value is compatible with absent, the most doubtful one first.
 
-    The parameter's uncertainty is that of `covariance.estimate`, which holds the scatter between logs. Only its gain
-    judges an effect of several parameters: near absent its shape means nothing, and a Wald test's answer depends on how
-    the parameters are written down. Of an elasticity, for example, often only compliance times inertia is known. What
+    The parameter's uncertainty is the stated one (`uncertainty.known`), which holds the scatter between logs and what
+    the time step moves: an effect that makes up for the step's error is no physics. Only its gain judges an effect of
+    several parameters: near absent its shape means nothing, and a Wald test's answer depends on how the parameters are
+    written down. Of an elasticity, for example, often only compliance times inertia is known. What
     others would have to do in its place counts as far as their bounds let them: a damping goes no lower than 0.
 
     Source: Gregory and Veall, Econometrica 53 (1985) 1465.
@@ -160,8 +162,8 @@ def drop_absent(
     if not steps:
         return (), ()
     bench = deletions.bench
-    known = known_of(bench, steps[-1].fitted_model)
-    doubts = [chance_within(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
+    found = known(bench, steps[-1].fitted_model).estimate
+    doubts = [chance_within(found, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
     place = int(np.argmax(doubts))
     if doubts[place] < 1 - bench.evidence.confidence:
         return steps, ()

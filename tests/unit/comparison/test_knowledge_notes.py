@@ -28,9 +28,10 @@ def test_what_explains_as_much_with_more_parameters_is_told_but_for_richer_kinds
         "flexible_mode": "not_needed",
         "spring": "rejected",
     }
-    (note,) = richer_effects([rung(status)])
+    (note,) = richer_effects([rung(status)], set())
     assert note.message.startswith("flexible_mode@rail explains as much as coulomb_friction@rail, with more")
-    assert not richer_effects([rung({"coulomb_friction": "named", "stribeck_friction": "not_needed"})])
+    assert not richer_effects([rung({"coulomb_friction": "named", "stribeck_friction": "not_needed"})], set())
+    assert not richer_effects([rung(status)], {"coulomb_friction@rail"})
 
 
 @pytest.mark.parametrize(

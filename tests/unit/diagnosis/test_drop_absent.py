@@ -3,18 +3,24 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from diagnosis_machines import (
+    PENDULUM,
+    PENDULUM_PARAMETERS,
     evidence_settings,
     log_of,
     model_of,
     simulated,
     solver_settings,
     steps_command,
+    swinging,
     windows_of,
 )
 from effect_machines import placed, scales_of
 
+from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
+from dr_lab.diagnosis.evidence.compatible import chance_within, known_of
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.pruning import drop_absent
@@ -57,3 +63,24 @@ def test_an_effect_stays_that_others_replace_beyond_their_bounds_alone() -> None
     kept, dropped = drop_absent(Deletions(bench), base, (AddedEffect(whole, ()),))
     assert [step.effect.label for step in kept] == [scale.label]
     assert dropped == ()
+
+
+@pytest.mark.parametrize(("late", "stays"), [(0.0, False), (0.01, True)])
+def test_an_effect_that_makes_up_for_the_time_step_goes(late: float, stays: bool) -> None:
+    """The logs, by steps a sixteenth as long, ask for an offset in time beyond doubt, which is half a step's."""
+    model = model_of(PENDULUM.replace("RK4", "Euler"), {"rod.mass": PENDULUM_PARAMETERS["rod.mass"]})
+    machine = in_parts(model, 16).nominal()
+    logs = [_late(swinging(f"log_{seed}", machine, seed, noise=1e-5), late) for seed in (0, 1, 2)]
+    fit, held_out = (windows_of(model, part, noise=1e-5) for part in (logs[:2], logs[2:]))
+    bench = Bench(fit, held_out, solver_settings(), evidence_settings(), threads=1)
+    offset = placed(model, "sensor_time_offset", "hinge", scales_of(model))
+    richer = model.with_effect(offset)
+    base, whole = (fit_and_score(bench, each, each.space.nominal) for each in (model, richer))
+    assert whole.held_out.chi2 < base.held_out.chi2 / 100
+    assert chance_within(known_of(bench, whole), offset.absent) < 1e-6
+    kept, _ = drop_absent(Deletions(bench), base, (AddedEffect(whole, ()),))
+    assert bool(kept) == stays
+
+
+def _late(log: Log, seconds: float) -> Log:
+    return replace(log, outputs={n: replace(each, time=each.time + seconds) for n, each in log.outputs.items()})

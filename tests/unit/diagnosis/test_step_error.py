@@ -1,8 +1,5 @@
 """What the time step does to what is fitted."""
 
-from types import SimpleNamespace
-from typing import cast
-
 import numpy as np
 import pytest
 from diagnosis_machines import (
@@ -15,14 +12,13 @@ from diagnosis_machines import (
     windows_of,
 )
 
-from dr_lab.comparison.study import Study
-from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.checks.step_error import step_shift
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.search.uncertainty import known
 from dr_lab.diagnosis.windows.finer import finer
 
 PARTS = 16
@@ -58,9 +54,8 @@ def test_the_stated_deviation_has_what_the_step_moved() -> None:
     windows = windows_of(model, [swinging("a", fine.nominal(), 0, noise=NOISE)], noise=NOISE)
     bench = Bench(windows, windows, solver_settings(tolerance=1e-3), evidence_settings(), threads=1)
     coarse = fit_and_score(bench, model, model.space.nominal)
-    study = cast(Study, SimpleNamespace(bench=bench))
     away = np.abs(coarse.fit.z - [0.5, 0.05])  # the truth, kg and N·m·s/rad
     scatter = estimate(model.space, coarse.fit, windows, bench.evidence).std
-    found, by_step = known(study, coarse)
+    found, by_step = known(bench, coarse)
     np.testing.assert_allclose(np.sqrt(found.std**2 - scatter**2), by_step)
     np.testing.assert_allclose(by_step, away, rtol=0.15)

@@ -1,13 +1,12 @@
-"""How well a fitted context is known, as reports state it."""
+"""How well a fitted context is known, as reports state it and as effects of one parameter are judged by it."""
 
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.checks.step_error import step_shift
-from dr_lab.diagnosis.evidence.bench import FittedModel
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.physics.context import ContextEstimate
@@ -26,13 +25,13 @@ class Known(NamedTuple):
     by_step: Array
 
 
-def known(study: Study, fitted_model: FittedModel) -> Known:
+def known(bench: Bench, fitted_model: FittedModel) -> Known:
     """A fitted context with all that makes it uncertain: noise, logs that disagree, and the time step.
 
     Values are those that make the model fit at its own step, for there it is used. At a step that hides nothing they
     would be s away (`step_shift`), in one direction of all parameters together: C + s sᵀ.
     """
-    bench, fit, space = study.bench, fitted_model.fit, fitted_model.model.space
+    fit, space = fitted_model.fit, fitted_model.model.space
     found = estimate(space, fit, bench.fit, bench.evidence)
     replay = Replay(fitted_model.model, bench.fit, bench.threads)
     away = space.span * step_shift(replay, fit, bench.solver, bench.threads)
