@@ -71,7 +71,7 @@ class Backlash(MotorSideEffect, ForceLaw):
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor in its gap."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return _Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
+        return Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Small and larger gaps."""
@@ -80,7 +80,7 @@ class Backlash(MotorSideEffect, ForceLaw):
 
 
 @dataclass
-class _Parting(MotorSide):
+class Parting(MotorSide):
     """Rotor between two walls at ± reach, shape (n,) or (1,); up to a reach of closed it always touches one."""
 
     reach: Array
@@ -89,6 +89,7 @@ class _Parting(MotorSide):
     kept: ClassVar[tuple[str, ...]] = (*MotorSide.kept, "_free", "_kick")
 
     def balance(self, load: Array) -> Array:
+        """At the wall that the load presses it against."""
         return np.sign(load) * self.reach
 
     def plan(self, load: Array) -> tuple[Array, Array]:
@@ -102,6 +103,7 @@ class _Parting(MotorSide):
         return self._free.astype(float), self._kick
 
     def advance(self, load: Array) -> None:
+        """Freely under the load, or at the wall as planned."""
         gained = np.where(self._free, self.step * load / self.inertia, self._kick)
         self.offset = self.offset + self.step * (self.rate + 0.5 * gained)
         self.rate = self.rate + gained

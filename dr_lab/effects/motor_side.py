@@ -1,7 +1,7 @@
 """A motor that does not turn as its joint does: the hidden half of a joint whose transmission gives way."""
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import mujoco
@@ -45,6 +45,21 @@ class MotorSideEffect(JointEffect):
         dof = int(model.joint(site).dofadr[0])
         low, nominal, high = (share / float(model.dof_invweight0[dof]) for share in self.inertias)
         return Parameter("rotor", "kg" if slides(model, site) else "kg·m²", nominal, low, high)
+
+
+def fed_back_at_motor(model: mujoco.MjModel, joint: str) -> bool:
+    """Whether the actuators of a hinge or slide joint are position controllers, whose feedback may be the motor's."""
+    return driven(model, joint) and float(JointDrive.of([model], joint).by_position[0]) != 0.0
+
+
+def steady_rotor(rotor: Parameter, model: mujoco.MjModel, site: str) -> Parameter:
+    """The same with a lower bound: the feedback, taken at the start of a step h, stops the rotor within it at most.
+
+    J ≥ h K_v + h² K_p.
+    """
+    drive, step = JointDrive.of([model], site), model.opt.timestep
+    stopped = float(-step * drive.by_velocity[0] - step**2 * drive.by_position[0])
+    return replace(rotor, low=float(np.clip(stopped, rotor.low, rotor.nominal)))
 
 
 @dataclass
@@ -128,8 +143,9 @@ class MotorSide(Law):
 
     def replay_history(self, moment: Moment, influence: Influence) -> None:
         """Follow the measured motion under what the actuators give at its commands."""
-        given = self.drive.force(moment.qpos, moment.qvel, self._arriving(influence.control))
-        load = given - self._inertial(moment)
+        control = self._arriving(influence.control)
+        asked = self.drive.force(moment.qpos, moment.qvel, control)
+        load = asked + self.fed_back(moment, control, asked) - self._inertial(moment)
         self._meet(load)
         self.plan(load)
         self._go(load, self._known)
@@ -188,3 +204,14 @@ class MotorSide(Law):
             self.rate = np.where(self._known, self.rate, 0.0)
             self.plan(load)
             self._known = np.ones(len(load), bool)
+
+
+class FedBackAtMotor(MotorSide):
+    """The same where the actuators' feedback is the motor's position and velocity."""
+
+    def fed_back(self, moment: Moment, control: Array, asked: Array) -> Array:
+        """What actuators give more for the motor's position and velocity than for the link's."""
+        qpos, qvel = moment.qpos.copy(), moment.qvel.copy()
+        qpos[:, self.drive.address] += self.offset + 0.5 * self.step * self.rate
+        qvel[:, self.drive.dof] += self.rate
+        return self.drive.force(qpos, qvel, control) - asked

@@ -1,7 +1,7 @@
 """A shaft, belt or harmonic drive that twists between motor and link, where the encoder sits at the motor."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_elasticity import JointElasticity, Twisting
+from dr_lab.effects.motor_side import FedBackAtMotor, steady_rotor
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -39,9 +40,7 @@ class MotorSideElasticity(JointElasticity):
 
     def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
         """The inertia on the motor's side."""
-        found, drive, step = super().rotor(model, site), JointDrive.of([model], site), model.opt.timestep
-        stopped = float(-step * drive.by_velocity[0] - step**2 * drive.by_position[0])
-        return replace(found, low=float(np.clip(stopped, found.low, found.nominal)))
+        return steady_rotor(super().rotor(model, site), model, site)
 
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
@@ -50,15 +49,8 @@ class MotorSideElasticity(JointElasticity):
 
 
 @dataclass
-class _AtMotor(Twisting):
+class _AtMotor(FedBackAtMotor, Twisting):
     """Spring and damper between rotor and link, the measurements being the rotor's."""
-
-    def fed_back(self, moment: Moment, control: Array, asked: Array) -> Array:
-        """What actuators give more for the motor's position and velocity than for the link's."""
-        qpos, qvel = moment.qpos.copy(), moment.qvel.copy()
-        qpos[:, self.drive.address] += self.offset + 0.5 * self.step * self.rate
-        qvel[:, self.drive.dof] += self.rate
-        return self.drive.force(qpos, qvel, control) - asked
 
     def follow(self, torque: Array) -> None:
         """Let the spring yield for a step under a torque that it bears."""

@@ -58,6 +58,13 @@ class AtJoint:
         joint = self.course.machine.model.joint(self.name)
         return int(joint.type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
 
+    @property
+    def controlled(self) -> bool:
+        """Whether a position controller moves it."""
+        model = self.course.machine.model
+        pulls = model.actuator_biasprm[model.actuator_trnid[:, 0] == model.joint(self.name).id, 1]
+        return bool((pulls < 0).any())
+
     def speeds(self, shares: Sequence[float]) -> Array:
         """Shares of its largest speed, rad/s or m/s."""
         return self.extent.speed[self.row] * np.asarray(shares)

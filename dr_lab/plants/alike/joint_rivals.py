@@ -40,6 +40,9 @@ def _forces(at: AtJoint) -> Iterator[Rival]:
     yield Rival(f"backlash@{joint}", 2)
     yield Rival(f"joint_elasticity@{joint}", 3)
     yield Rival(f"motor_side_elasticity@{joint}", 3)
+    if at.controlled:
+        yield Rival(f"servo_backlash@{joint}", 2)
+        yield Rival(f"servo_elasticity@{joint}", 3)
     yield Rival(f"flexible_mode@{joint}", 3)
     one = np.ones_like(q)
     yield Rival(f"spring@{joint}", 2, at.linear(-q, one))

@@ -1,0 +1,67 @@
+"""A shaft, belt or harmonic drive that twists between a servo's own encoder and its joint."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.joint_drive import JointDrive
+from dr_lab.effects.joint_elasticity import JointElasticity, Twisting
+from dr_lab.effects.motor_side import FedBackAtMotor, fed_back_at_motor, steady_rotor
+from dr_lab.physics.law import Law
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class ServoElasticity(JointElasticity):
+    """As `JointElasticity`, where the position controller's feedback is the motor's: its loop does not see the twist.
+
+    The link's place is where the controller holds the motor, less C T: it sags under its load, and rings on the motor
+    that stands still, at ω² = 1/(C J_link). A belt or gearbox whose motor has the encoder of the loop, while a linear
+    scale, a link's encoder or a camera gives the logs.
+
+    Parameters (nominal = absent): as of `JointElasticity`; the rotor is at least so heavy that the feedback of the
+    actuators, which is taken at the start of a step, stops it within the step and no sooner: J ≥ h K_v + h² K_p.
+    Limits: hinge and slide joints of position controllers, whose logs are the link's; where the logs are the motor's it
+    is `MotorSideElasticity`; friction of the motor itself stays with the link.
+    Source: as of `JointElasticity`; De Luca and Book, Springer Handbook of Robotics (2016), chapter 11.
+    """
+
+    name: ClassVar[str] = "servo_elasticity"
+    law: ClassVar[str] = "J (q + delta)'' = tau_m(q + delta) - T, T = (delta + eta delta')/C"
+    fingerprint: ClassVar[str] = (
+        "the link sags under its load where the motor stands, and rings after jumps of the target"
+    )
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "joint_elasticity",
+        "servo_backlash",
+        "gain_error",
+        "actuator_delay",
+        "actuator_lag",
+    )
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the hinge and slide joints that a position controller drives."""
+        return tuple(joint for joint in super().sites(model) if fed_back_at_motor(model, joint))
+
+    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
+        """The inertia on the motor's side."""
+        return steady_rotor(super().rotor(model, site), model, site)
+
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
+        """The motor on its spring."""
+        drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
+        return _Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
+
+
+@dataclass
+class _Twisting(FedBackAtMotor, Twisting):
+    """Spring and damper between rotor and link, with the loop's encoder at the rotor."""
+
+    def balance(self, load: Array) -> Array:
+        """C times the load, which falls by K_p a twist: δ = C (load − K_p δ)."""
+        stiffness = np.maximum(-self.drive.by_position, 0.0)
+        return self.compliance * load / (1.0 + self.compliance * stiffness)

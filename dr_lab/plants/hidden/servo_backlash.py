@@ -1,0 +1,13 @@
+"""Play between the motor of a position controller, whose encoder closes the loop, and its link."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from dr_lab.plants.hidden.backlash import Backlash
+
+
+@dataclass(frozen=True)
+class ServoBacklash(Backlash):
+    """As `Backlash`, at a joint that a position controller moves; there every hidden motor has the feedback."""
+
+    name: ClassVar[str] = "servo_backlash"
