@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import DriveFit, Forces, Gain
+from dr_lab.diagnosis.faults.exchanged_commands import exchanged_commands
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.faults.fault_words import (
     factor_words,
@@ -54,8 +55,8 @@ def suspect_faults(forces: Forces | None, measured: MeasurementSet) -> tuple[Fau
     offset and the errors that a nominal model may have. A fault is told where another reading of the commands (another
     sign, a factor, a shift in time, none at all) leaves far fewer squares than the given one with any plausible gain.
     A joint that rests at a log's beginning or end where it would move is told, too (`held_spans`). Where one channel in
-    another unit, or two exchanged, would explain all logs far better (`misread`), nothing else is told: it would follow
-    from that.
+    another unit, or two exchanged, would explain all logs far better (`misread`, `exchanged_commands`), nothing else is
+    told: it would follow from that.
 
     Args:
         forces: of all logs, by the model as given; None where nothing can be tested.
@@ -67,7 +68,7 @@ def suspect_faults(forces: Forces | None, measured: MeasurementSet) -> tuple[Fau
     if forces is None:
         return ()
     settings = forces.settings
-    if (other := misread(forces, measured)) is not None:
+    if (other := misread(forces, measured) or exchanged_commands(forces, measured)) is not None:
         return tuple(_of_log(other, log) for log in forces.logs)
     drives = forces.drives()
     driven = _agreed([(fit, fault) for fit in drives for fault in _faults(fit, settings)], drives, settings)

@@ -1,5 +1,6 @@
 """Channels read in another unit or order than declared, by which the equation of motion holds in all logs at once."""
 
+import functools
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -62,7 +63,7 @@ def misread(forces: Forces, measured: MeasurementSet) -> Misreading | None:
     bad = np.flatnonzero(forces.unexplained(*plausible) >= settings.share).tolist()
     if not bad or silent_actuators(model, forces.logs):
         return None
-    motion = smoothed_motion(model, measured, logs := _some(forces.logs, settings), settings.equation)
+    motion = smoothed_motion(model, measured, logs := first_logs(forces.logs, settings), settings.equation)
     declared = Forces.of(model, logs, motion, settings)
     if (given := _mean(declared.unexplained(*plausible))) < settings.share:
         return None
@@ -84,7 +85,7 @@ def misread(forces: Forces, measured: MeasurementSet) -> Misreading | None:
     return Misreading(best.kind, best.signal, message, f"{best.remedy}{beside}")
 
 
-def _some(logs: Sequence[Log], settings: FaultSettings) -> list[Log]:
+def first_logs(logs: Sequence[Log], settings: FaultSettings) -> list[Log]:
     """The first logs that last so long together at most, one at least."""
     lengths = np.cumsum([max(float(np.ptp(signal.time)) for signal in log.outputs.values()) for log in logs])
     return list(logs[: max(int(np.count_nonzero(lengths <= settings.misread_seconds)), 1)])
@@ -128,11 +129,28 @@ def _commands(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Ite
 
 
 def _crossed(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Iterator[_Reading]:
-    """Commands of two of the actuators that move these joints, exchanged: plugs or columns that were mixed up."""
+    """Commands of two of the actuators that move these joints, exchanged."""
     for one, other in itertools.combinations(_driving(model, forces, dofs), 2):
-        told = f"the commands of {one} and {other} seem to be exchanged"
-        remedy = f"Exchange what measurements.commands names for {one} and {other}."
-        yield _Reading("swapped", one, told, remedy, lambda motion: motion, _exchanged(one, other))
+        told, remedy = crossed_words(one, other)
+        read = functools.partial(_all_exchanged, one=one, other=other)
+        yield _Reading("swapped", one, told, remedy, lambda motion: motion, read)
+
+
+def crossed_words(one: str, other: str) -> tuple[str, str]:
+    """That the commands of two actuators seem to be exchanged, and what to do."""
+    told = f"the commands of {one} and {other} seem to be exchanged"
+    return told, f"Exchange what measurements.commands names for {one} and {other}."
+
+
+def exchanged(log: Log, one: str, other: str) -> Log:
+    """A log with the commands of two actuators exchanged; the same where it lacks one."""
+    if not {one, other} <= log.commands.keys():
+        return log
+    return replace(log, commands={**log.commands, one: log.commands[other], other: log.commands[one]})
+
+
+def _all_exchanged(logs: Sequence[Log], one: str, other: str) -> Sequence[Log]:
+    return [exchanged(log, one, other) for log in logs]
 
 
 def _driving(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> list[str]:
@@ -167,18 +185,6 @@ def _multiplied(name: str, factor: float) -> Callable[[Sequence[Log]], Sequence[
         return [
             replace(log, commands={**log.commands, name: replace(sent, value=factor * sent.value)})
             if (sent := log.commands.get(name)) is not None
-            else log
-            for log in logs
-        ]
-
-    return read
-
-
-def _exchanged(one: str, other: str) -> Callable[[Sequence[Log]], Sequence[Log]]:
-    def read(logs: Sequence[Log]) -> Sequence[Log]:
-        return [
-            replace(log, commands={**log.commands, one: log.commands[other], other: log.commands[one]})
-            if {one, other} <= log.commands.keys()
             else log
             for log in logs
         ]

@@ -133,34 +133,44 @@ def test_exchanged_columns_are_told() -> None:
     assert "rail.position and pivot.position seem to be exchanged" in faults[0].message
 
 
-HEAD = """<mujoco><option timestep="0.002"/><worldbody><body><joint name="pan" axis="0 0 1" damping="0.05"/>
+PAN_TILT = """<mujoco><option timestep="0.002"/><worldbody><body><joint name="one" axis="0 0 1" damping="0.05"/>
   <inertial pos="0 0 0" mass="0.5" diaginertia="0.01 0.01 0.01"/>
-  <body><joint name="tilt" axis="0 1 0" damping="0.05"/>
+  <body><joint name="two" axis="0 1 0" damping="0.05"/>
   <inertial pos="0.05 0 0.02" mass="0.4" diaginertia="0.004 0.004 0.004"/></body></body></worldbody>
   <actuator>{}</actuator></mujoco>"""
-SERVOS = '<position name="{0}" joint="{0}" kp="3" kv="0.3"/>'
-MOTORS = '<motor name="{0}" joint="{0}"/>'
+SWINGING = """<mujoco><option timestep="0.002"/><worldbody><body><joint name="one" axis="0 1 0" damping="0.05"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.35" size="0.03" mass="1.5" contype="0" conaffinity="0"/>
+  <body pos="0 0 -0.35"><joint name="two" axis="0 1 0" damping="0.05"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.025" mass="0.8" contype="0" conaffinity="0"/></body></body>
+  </worldbody><actuator>{}</actuator></mujoco>"""
+SERVO, MOTOR = '<position name="{0}" joint="{0}" kp="3" kv="0.3"/>', '<motor name="{0}" joint="{0}"/>'
 
 
-@pytest.mark.parametrize("drive", [SERVOS, MOTORS])
-def test_commands_of_two_joints_that_are_exchanged_are_told(drive: str) -> None:
-    """Either may be one of a pair that moves its own joint badly; as declared nothing is said."""
-    spec = mujoco.MjSpec.from_string(HEAD.format(drive.format("pan") + drive.format("tilt")))
+@pytest.mark.parametrize(
+    ("machine", "drive", "size"),
+    [
+        pytest.param(PAN_TILT, SERVO, 0.3, id="servos"),
+        pytest.param(PAN_TILT, MOTOR, 0.3, id="motors"),
+        pytest.param(SWINGING, MOTOR, 0.8, id="motors whose torques are a small part of all forces"),
+    ],
+)
+def test_commands_of_two_joints_that_are_exchanged_are_told(machine: str, drive: str, size: float) -> None:
+    spec = mujoco.MjSpec.from_string(machine.format(drive.format("one") + drive.format("two")))
     model, time = spec.compile(), np.arange(0.0, 6.0, STEP)
     data, path = mujoco.MjData(model), np.empty((len(time), 2))
-    sent = 0.3 * np.stack([np.sin(5 * time), np.sin(3.3 * time + 1) + np.sin(8 * time)], axis=1)
+    sent = size * np.stack([np.sin(5 * time), np.sin(3.3 * time + 1) + np.sin(8 * time)], axis=1)
     for k, now in enumerate(sent):
         path[k], data.ctrl[:] = data.qpos, now
         mujoco.mj_step(model, data)
     path += np.random.default_rng(1).normal(scale=1e-4, size=path.shape)
-    unit = "rad" if drive is SERVOS else "N·m"
-    outputs = {f"{n}.position": Signal(f"{n}.position", "rad", time, path[:, i]) for i, n in enumerate(("pan", "tilt"))}
-    for names, kinds in ((("pan", "tilt"), []), (("tilt", "pan"), ["swapped"])):
+    unit, joints = "rad" if drive is SERVO else "N·m", ("one", "two")
+    outputs = {f"{n}.position": Signal(f"{n}.position", "rad", time, path[:, i]) for i, n in enumerate(joints)}
+    for names, kinds in ((joints, []), (joints[::-1], ["swapped"])):
         commands = {name: Signal(name, unit, time, sent[:, i]) for i, name in enumerate(names)}
         log, age = Log("log", outputs, commands), dict.fromkeys((*outputs, *commands), 0.02)
-        faults = suspected(from_spec("head", spec, {}), MeasurementSet("head", (log,), (), {}, age), settings())
+        faults = suspected(from_spec("it", spec, {}), MeasurementSet("it", (log,), (), {}, age), settings())
         assert [fault.kind for fault in faults] == kinds
-    assert "the commands of pan and tilt seem to be exchanged" in faults[0].message
+    assert "the commands of one and two seem to be exchanged" in faults[0].message
 
 
 def test_a_slide_alone_leaves_open_whether_its_place_or_its_force_is_misread() -> None:
