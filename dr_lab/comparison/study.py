@@ -213,8 +213,8 @@ def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSetti
 def _scales(
     model: Model, compiled: mujoco.MjModel, measurements: MeasurementSet, smoother: float, bench: Bench
 ) -> Scales:
-    """Scales of the fit logs; of joints that no channel measures, and of wheels, those of the model in these logs."""
+    """Scales of the fit logs; of joints that no channel measures, those of the model in these logs."""
     found = machine_scales(compiled, measurements.fit, smoother)
-    if not (found.unmeasured or bench.fit.prior.grounded):
+    if not found.unmeasured:
         return found
     return with_replay(found, *fit_states(model, model.space.nominal, bench.fit, bench.solver, bench.threads))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from dr_lab.diagnosis.windows.closed_loops import ClosedLoops
+from dr_lab.diagnosis.windows.closed_loops import coupled
 from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.errors import DataError
 from dr_lab.proposal.drives import drives_of
@@ -16,6 +16,8 @@ from dr_lab.proposal.per_control import per_control
 from dr_lab.proposal.shared_out import shared_out
 from dr_lab.proposal.survey import Series, Survey
 
+_COUPLED = "an equality constraint couples joints, and no encoder shows its force, which inverse dynamics needs"
+_SMALLER = {"rad": {"deg": math.pi / 180}, "m": {"cm": 1e-2, "mm": 1e-3}}  # units of larger numbers, the largest first
 _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 
 
@@ -40,7 +42,7 @@ def positions_by_name(
         else:
             lacking.append(name)
     if not (outputs or sensed):
-        raise DataError(_nothing_fits(names, logs))
+        raise DataError(_nothing_fits(model, names, logs))
     what = "of joints and commands " if sensed else ""
     doubts = [f"Signs and units {what}are by name alone: {_why_untested(model, lacking)}.", *open_places]
     doubts += [doubt for doubt in open_rates if any(o.channel.endswith(".velocity") for o in outputs)]
@@ -51,12 +53,7 @@ def positions_by_name(
     return Positions(tuple(outputs), None, None, tuple(asked), drives_of(model, force), tuple(doubts))
 
 
-def coupled(model: mujoco.MjModel) -> bool:
-    """Whether equality constraints couple joints: no encoder shows their forces, which inverse dynamics needs."""
-    return ClosedLoops(model, np.ones(model.nv, bool)).closes()
-
-
-def _nothing_fits(joints: Sequence[str], logs: Survey) -> str:
+def _nothing_fits(model: mujoco.MjModel, joints: Sequence[str], logs: Survey) -> str:
     seen = [str(each.place) for each in logs.series]
     listed = f"The logs hold {', '.join(seen[:20])}{' …' if len(seen) > 20 else ''}."
     listed = " ".join([listed if seen else "The logs hold no numbers that change.", *logs.spoilt])
@@ -65,6 +62,12 @@ def _nothing_fits(joints: Sequence[str], logs: Survey) -> str:
             f"No series of the logs is a position (x, y, z), an orientation (qw, qx, qy, qz), an angular rate (gx, gy, "
             f"gz) or an acceleration (ax, ay, az) of the robot's free body. {listed} Name columns or topics so, or "
             "write the measurements by hand."
+        )
+    if coupled(model):
+        return (
+            f"Which series are the joints {', '.join(joints)} has to be told by name: {_COUPLED}. {listed} Name "
+            f"columns or topics after the joints, with their units ({joints[0]}_position_mm), or write the "
+            "measurements by hand."
         )
     return (
         f"No series of the logs fits a joint of the robot. Joints: {', '.join(joints)}. {listed} Are these logs of "
@@ -82,18 +85,23 @@ def _reach(model: mujoco.MjModel, joint: str) -> float:
 def _named(channel: str, series: Series, usual: str, reach: float) -> Output:
     wrap = any(wrapped(signal.value) > 0 for signal in series.signals)
     unit = series.words.unit or _by_range(series, usual, reach)
-    return Output(channel, (series,), unit, 1, 0.0, wrap, "by its name")
+    why = "" if unit == (series.words.unit or usual) else f"; in {usual} it would leave the joint's range"
+    return Output(channel, (series,), unit, 1, 0.0, wrap, f"by its name{why}")
 
 
 def _by_range(series: Series, usual: str, reach: float) -> str:
-    """Degrees where the numbers are too large for radians."""
+    """Degrees, centimetres or millimetres where the numbers are too large for radians or metres."""
     largest = max(float(np.abs(signal.value).max()) for signal in series.signals)
-    return "deg" if usual == "rad" and largest > 2 * reach else usual
+    smaller = _SMALLER.get(usual, {})
+    if largest <= 2 * reach or not smaller:
+        return usual
+    fitting = (name for name, factor in smaller.items() if factor * largest <= 2 * reach)
+    return next(fitting, [*smaller][-1])
 
 
 def _why_untested(model: mujoco.MjModel, lacking: Sequence[str]) -> str:
     if coupled(model):
-        return "an equality constraint couples joints, and no encoder shows its force, which inverse dynamics needs"
+        return _COUPLED
     if lacking:
         return "not every joint is measured, which inverse dynamics needs"
     return (

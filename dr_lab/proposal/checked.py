@@ -123,7 +123,7 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
     logs = measured.held_out or measured.fit
     loops = firm_loops(model, logs, measured, checks.windows, checks.model_check, checks.threads)
     if loops.share > checks.model_check.least_share:
-        model, doubts = loops.model, [*doubts, f"{loops.seen} Set {loops.asked}, or say how soft they are."]
+        model, doubts = loops.model, [*doubts, f"{loops.seen} Write {loops.asked} into <equality>."]
     floor = numerical_floor(model, logs, measured, checks.windows, checks.threads)
     finer = refine(model, logs, measured, checks.windows, checks.model_check, floor, checks.threads)
     told = replace(proposal, doubts=(*proposal.doubts, *doubts))

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import mujoco
 
+from dr_lab.diagnosis.windows.closed_loops import coupled
 from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import say_same
-from dr_lab.proposal.by_name_alone import coupled, positions_by_name
+from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.command_units import factors
 from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit

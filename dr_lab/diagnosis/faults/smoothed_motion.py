@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_smoothing_spline
 
 from dr_lab.bounds import Positive, require_bounds
+from dr_lab.diagnosis.windows.closed_loops import coupled
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
@@ -76,7 +77,8 @@ class Motion:
 def untestable(model: mujoco.MjModel, measured: MeasurementSet) -> str:
     """Why the equation of motion cannot be tested on these logs, empty if it can.
 
-    Every degree of freedom must be a hinge or slide joint whose position or velocity is measured.
+    Every degree of freedom must be a hinge or slide joint whose position or velocity is measured. No constraint may
+    couple joints: what it bears is as large as what the encoders' noise stretches it by.
     """
     outputs = (*measured.fit, *measured.held_out)[0].outputs
     for i in range(model.njnt):
@@ -85,6 +87,8 @@ def untestable(model: mujoco.MjModel, measured: MeasurementSet) -> str:
             return f"joint {joint} is neither a hinge nor a slide"
         if not {f"{joint}.position", f"{joint}.velocity"} & set(outputs):
             return f"neither position nor velocity of joint {joint} is measured"
+    if coupled(model):
+        return "an equality constraint couples joints, and no encoder shows its force"
     return "" if model.nv else "the model has no joint"
 
 

@@ -10,6 +10,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
 from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.channels import Channel, available
+from dr_lab.diagnosis.windows.commands import actuator_columns
 from dr_lab.effects.effect import Scales
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.activations import settle_filters
@@ -23,21 +24,27 @@ _RESTING = 1e-9  # rad/s or m/s; rounding
 def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) -> Scales:
     """Ranges, speeds and generalised forces of the measured motion.
 
-    A joint's force scale is sqrt(mean (M q̈)² + mean bias²) at the smoothed states, the bias holding gravity and
-    Coriolis forces; it does not vanish on unactuated joints. Joints without a channel rest at the model's reference.
+    A joint's force scale is the larger of two root mean squares at the smoothed states:
+
+    1. sqrt(mean (M q̈)² + mean bias²), the bias holding gravity and Coriolis forces, which does not vanish on
+       unactuated joints;
+    2. what the actuators give by the logged commands. A light joint that moves slowly against what the model lacks, or
+       a wheel on the ground, is as strong as its motor, of which its own inertia tells nothing.
+
+    Joints without a channel rest at the model's reference.
 
     Args:
         model: compiled nominal model.
         logs: logs to look at.
         smoother: half-width of the smoother, s.
     """
-    states = [_states(model, log, smoother) for log in logs]
-    qpos, qvel, qacc = (np.concatenate([s[i] for s in states]) for i in range(3))
+    states = [(*_states(model, log, smoother), _controls(model, log)) for log in logs]
+    qpos, qvel, qacc, controls = (np.concatenate([s[i] for s in states]) for i in range(4))
     measured = {name for log in logs for name in log.outputs}
     unmeasured = frozenset(joint for joint, c in _joints(model).items() if c.name not in measured)
     names = {model.actuator(row).name for row in range(model.nactuator)}
     return replace(
-        _scales(model, qpos, qvel, qacc),
+        _scales(model, (qpos, qvel, qacc), controls),
         command=_commands(model, logs),
         uncommanded=frozenset(names - {name for log in logs for name in log.commands}),
         unmeasured=unmeasured,
@@ -47,8 +54,7 @@ def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) 
 def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:
     """The scales with those of the joints that no channel measures, from how the nominal model moves in the logs.
 
-    Where the velocity alone is measured, the range alone is the model's. A wheel on the ground is as strong as its
-    motor: what the motor does goes through the contact, of which the wheel's own inertia tells nothing.
+    Where the velocity alone is measured, the range alone is the model's.
 
     Args:
         found: scales of the measured motion.
@@ -60,17 +66,13 @@ def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:
     if fit.infeasible.all():
         return replace(found, unknown=found.unmeasured)
     states, controls = _replayed(replay, fit)
-    own = _scales(replay.compiled, *states)
-    torque = {**found.torque, **{joint: own.torque[joint] for joint in blind}}
-    if replay.windows.prior.grounded:
-        driven = _driven(replay.compiled, *states[:2], controls)
-        torque = {n: max(torque[n], float(driven[c.dof])) for n, c in _joints(replay.compiled).items()}
+    own = _scales(replay.compiled, states, controls)
     return replace(
         found,
         lowest={**found.lowest, **{joint: own.lowest[joint] for joint in found.unmeasured}},
         highest={**found.highest, **{joint: own.highest[joint] for joint in found.unmeasured}},
         speed={**found.speed, **{joint: own.speed[joint] for joint in blind}},
-        torque=torque,
+        torque={**found.torque, **{joint: own.torque[joint] for joint in blind}},
         unknown=frozenset(joint for joint in blind if own.speed[joint] < _RESTING),
     )
 
@@ -81,9 +83,10 @@ def _joints(model: mujoco.MjModel) -> dict[str, Channel]:
     return {c.name.removesuffix(".position"): c for c in positions}
 
 
-def _scales(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Scales:
-    """Scales of states, shapes (k, nq), (k, nv) and (k, nv), without commands."""
-    joints, force = _joints(model), _forces(model, qpos, qvel, qacc)
+def _scales(model: mujoco.MjModel, states: tuple[Array, Array, Array], controls: Array) -> Scales:
+    """Scales of states (k, nq), (k, nv), (k, nv) under controls (k, nu), without those of commands."""
+    joints, (qpos, qvel, _) = _joints(model), states
+    force = np.maximum(_forces(model, *states), _driven(model, qpos, qvel, controls))
     return Scales(
         lowest={n: float(qpos[:, c.address].min()) for n, c in joints.items()},
         highest={n: float(qpos[:, c.address].max()) for n, c in joints.items()},
@@ -121,6 +124,17 @@ def _states(model: mujoco.MjModel, log: Log, smoother: float) -> tuple[Array, Ar
             else:
                 qpos[:, channel.address], qvel[:, channel.dof], qacc[:, channel.dof] = motion[:3]
     return qpos, qvel, qacc
+
+
+def _controls(model: mujoco.MjModel, log: Log) -> Array:
+    """What was sent last, at evenly spread times of a log, shape (k, nu); 0 where nothing was."""
+    first = next(iter(log.outputs.values())).time
+    times = np.linspace(first[0], first[-1], _SAMPLES_PER_LOG + 2)[1:-1]
+    controls = np.zeros((_SAMPLES_PER_LOG, model.nu))
+    for name, column in actuator_columns(model, [log]).items():
+        sent = log.commands[name]
+        controls[:, column] = sent.value[np.maximum(np.searchsorted(sent.time, times, side="right") - 1, 0)]
+    return controls
 
 
 def _forces(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Array:

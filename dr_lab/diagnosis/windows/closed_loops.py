@@ -45,6 +45,11 @@ class Closure(NamedTuple):
     free: Array
 
 
+def coupled(model: mujoco.MjModel) -> bool:
+    """Whether equality constraints couple joints: no encoder shows their forces, which inverse dynamics needs."""
+    return ClosedLoops(model, np.ones(model.nv, bool)).closes()
+
+
 class ClosedLoops:
     """The closed chains of a model: its connect, weld, joint and tendon constraints c(q) = 0 with Jacobian J.
 
