@@ -108,7 +108,7 @@ def _first_settled(study: Study, ascent: _Ascent) -> tuple[Study, Ladder]:
         return first
     # Still longer windows are too few to settle a doubt.
     for length in lengths[1:2] if doubtful else lengths[1:]:
-        why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"
+        why = "The answer is in doubt" if doubtful else f"A gap remains that nothing explains{_set_aside(first[1])}"
         ascent.watch.phase(f"{why}: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), first[1] if doubtful else None)
         if longer is None or _dropped(study, longer) > study.settings.windows.most_dropped:
@@ -211,6 +211,11 @@ def _checked(study: Study, ascent: _Ascent, ladder: Ladder) -> Ladder:
     confirmed = ladder.confirmed_by(found, study.bench.evidence)
     lost = study.model.inertials and len(confirmed.steps) < len(ladder.steps)
     return confirmed.ended(study.bench) if lost else confirmed
+
+
+def _set_aside(ladder: Ladder) -> str:
+    """That what was found on a ladder does not explain it either, as a clause; empty where nothing was."""
+    return f", nor does what was found so far ({', '.join(ladder.found)})" if ladder.found else ""
 
 
 def _explained(study: Study, ladder: Ladder) -> bool:

@@ -30,7 +30,7 @@ from dr_lab.reports.plain import finite
 from dr_lab.reports.quantity import counted, percent
 from dr_lab.reports.rankings import naming
 from dr_lab.reports.report import write_report
-from dr_lab.reports.tables import ladder_table, parameter_table, ranking_summary
+from dr_lab.reports.tables import ladder_table, noise_included, parameter_table, ranking_summary
 from dr_lab.reports.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 
@@ -206,7 +206,7 @@ def _candidates(report: GapReport) -> str:
         for title, rows in zip(titles, shown, strict=True)
     ]
     left = sum(len(each.rows) - len(rows) for each, rows in zip(tables, shown, strict=True))
-    return _paragraphs([*told, f"… and {left} more in report.md." if left else ""])
+    return _paragraphs([*told, f"… and {left} more in report.md." if left else "", noise_included(report)])
 
 
 def _parameters(report: GapReport) -> str:

@@ -13,6 +13,7 @@ from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.comparison.knowledge_notes import changed_masses, richer_effects
 from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
+from dr_lab.comparison.measurable import measurable
 from dr_lab.comparison.missing_force import missing_forces
 from dr_lab.comparison.short_shifts import short_shifts
 from dr_lab.comparison.study import Study
@@ -98,6 +99,7 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         notes=(
             *trading(described[-1].estimate),
             *together(ladder.models[-1]),
+            *measurable(ladder),
             *short_shifts(study.bench, ladder),
             *in_doubt(ladder, study.bench.evidence),
             *notes.fit_notes([each.fitted_model for each in described]),

@@ -42,7 +42,7 @@ class WindowsEntry:
 
 
 TRADE = "trade"  # kind of the notes that stand beside the parameters
-TOGETHER, SHORT_SHIFT, IN_DOUBT = "together", "short_shift", "in_doubt"  # kinds of those that the verdict tells
+TOGETHER, SHORT_SHIFT, IN_DOUBT, MEASURABLE = "together", "short_shift", "in_doubt", "measurable"  # the verdict's kinds
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from dr_lab.reports.tables import (
     clock_table,
     horizon_table,
     ladder_table,
+    noise_included,
     noise_table,
     parameter_table,
     per_log_table,
@@ -74,9 +75,9 @@ def _candidates(report: GapReport) -> str:
     """A table of each rung; the rung is named where there are several."""
     found = [each for each in rankings(report) if each.rows]
     tables = [ranking_table(each.rows, report.verdict, report.judged.confidence) for each in found]
-    if len(found) == 1:
-        return tables[0]
-    return "\n\n".join(f"### {each.title}\n\n{table}" for each, table in zip(found, tables, strict=True))
+    if len(found) > 1:
+        tables = [f"### {each.title}\n\n{table}" for each, table in zip(found, tables, strict=True)]
+    return "\n\n".join(part for part in (noise_included(report) if found else "", *tables) if part)
 
 
 def _where(regions: Sequence[RegionEntry]) -> str:

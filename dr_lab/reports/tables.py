@@ -10,6 +10,7 @@ from dr_lab.trajectory import ClockFit
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
 _COLUMNS = 3
+_NOISY = 10.0  # χ² of which noise is a tenth
 # Clocks whose times are taken as they are, in words.
 _CLOCKS = {"column": "the table's time column", "log": "the log", "publish": "the publishers"}
 
@@ -111,7 +112,18 @@ def intervals_of(confidence: float | None) -> str:
 
 
 def _removed(confidence: float | None) -> str:
-    return f"χ² removed ({intervals_of(confidence)})"
+    return f"χ² removed in a typical window ({intervals_of(confidence)})"
+
+
+def noise_included(report: GapReport) -> str:
+    """That no effect removes all of χ², where noise is a good part of it; empty where it is not."""
+    chi2 = report.ladder[0].held_out.chi2
+    if chi2 is None or not 1.0 < chi2 < _NOISY:
+        return ""
+    return (
+        f"χ² holds the noise, which no effect removes: of {number(chi2)} at most {percent(1 - 1 / chi2)} can go. The "
+        "first sentences leave the noise out."
+    )
 
 
 def _outcome(row: CandidateEntry) -> tuple[str, str, str]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dr_lab.reports.calibration import calibration_told
 from dr_lab.reports.faults import faults_told
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.gap_entries import IN_DOUBT, SHORT_SHIFT, TOGETHER
+from dr_lab.reports.gap_entries import IN_DOUBT, MEASURABLE, SHORT_SHIFT, TOGETHER
 from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
@@ -21,7 +21,7 @@ def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, what remains; first that logs are faulty or the model worse, if so."""
     worse = _worse(report)
     calibrated = not report.verdict and not report.added
-    found = (_found(report), *_notes(report, IN_DOUBT), *_notes(report, TOGETHER))
+    found = (_found(report), *_notes(report, IN_DOUBT), *_notes(report, TOGETHER), *_notes(report, MEASURABLE))
     answer = (worse, *found, _share(report), _fall(report), _confirmed(report))
     told = (faults_told(report.notes), *([worse] if worse and calibrated else answer))
     left = (_remaining(report), *_notes(report, SHORT_SHIFT), _learned(report))

@@ -58,6 +58,11 @@ class Ladder:
         return {*self.dropped, *(back.richer for back in self.put_back)}
 
     @property
+    def found(self) -> tuple[str, ...]:
+        """Labels of the effects that were added, those that were dropped again first."""
+        return tuple(dict.fromkeys((*self.dropped, *(step.effect.label for step in self.steps))))
+
+    @property
     def models(self) -> tuple[FittedModel, ...]:
         """The ladder's models, the calibrated one first."""
         return (self.base, *(step.fitted_model for step in self.steps))

@@ -35,6 +35,10 @@ class Answer:
     instrumental: bool = False
 
     @property
+    def found(self) -> tuple[str, ...]:
+        return self.steps
+
+    @property
     def confirmation(self) -> SimpleNamespace | None:
         return SimpleNamespace(status=self.status, enough=self.enough) if self.steps else None
 

@@ -107,8 +107,8 @@ def test_nothing_is_called_named_where_the_verdict_names_nothing(close_report: d
 
 
 def test_rankings_say_how_sure_their_intervals_are(close_report: dict[str, Any]) -> None:
-    assert "| χ² removed (interval) |" in page(close_report)  # of an older file
-    assert "| χ² removed (99.5 % interval) |" in page(close_report | {"confidence": 0.995})
+    assert "| χ² removed in a typical window (interval) |" in page(close_report)  # of an older file
+    assert "| χ² removed in a typical window (99.5 % interval) |" in page(close_report | {"confidence": 0.995})
 
 
 def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_report: dict[str, Any]) -> None:

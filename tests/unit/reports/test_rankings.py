@@ -1,10 +1,13 @@
-"""The order in which a screen shows candidates is one that its numbers bear out."""
+"""Candidates stand in an order that their numbers bear out, beside what the noise leaves to remove."""
 
 from typing import Any
+
+import pytest
 
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.plain import from_plain
 from dr_lab.reports.rankings import naming
+from dr_lab.reports.tables import noise_included
 
 
 def test_where_nothing_stands_what_removes_most_is_shown_first_and_few_windows_last(
@@ -17,3 +20,11 @@ def test_where_nothing_stands_what_removes_most_is_shown_first_and_few_windows_l
     report = close_report | {"rungs": rungs, "verdict": "unexplained", "ladder": close_report["ladder"][:1]}
     first = naming(from_plain(GapReport, report))[0]
     assert [row.effect for row in first.rows] == ["most", "some", "promising"]
+
+
+@pytest.mark.parametrize(("chi2", "told"), [(2.0, "of 2 at most 50 % can go"), (84.0, ""), (0.98, "")])
+def test_how_much_of_a_small_error_can_go_is_told(close_report: dict[str, Any], chi2: float, told: str) -> None:
+    close_report["ladder"][0]["held_out"]["chi2"] = chi2
+    note = noise_included(from_plain(GapReport, close_report))
+    assert told in note
+    assert bool(note) == bool(told)
