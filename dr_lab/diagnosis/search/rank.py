@@ -48,8 +48,9 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     2. Those that promise enough are fitted there, half of them with a single parameter, the most promising one first:
        others are given up where they are foretold to stay behind it beyond doubt. Each brings its special cases along.
        If these gain less than promised, a second wave is fitted of those that promise about as much as the first
-       gained. In the end those are, too, that hold the best one, or one there like it, as a special case or are
-       confused with it, and those that promise more than it gained: other kinds may have crowded them out.
+       gained. So are half as many that promise most in typical windows, which a few wild ones hide. In the end those
+       are, too, that hold the best one, or one there like it, as a special case or are confused with it, and those that
+       promise more than it gained: other kinds may have crowded them out.
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most

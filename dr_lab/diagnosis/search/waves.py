@@ -35,6 +35,7 @@ class Waves:
         promise = self._promises()
         order = np.argsort(-promise, kind="stable")
         self._waiting = [int(k) for k in order if promise[k] >= self._bench.hope]
+        self._hopeful = tuple(self._waiting)
         self._reached = 0.0  # the largest gain of a fit
 
     def first(self) -> dict[int, Candidate]:
@@ -44,6 +45,7 @@ class Waves:
         for _ in range(2):
             self._fit(self._chosen(settings.least_promise * reachable, settings.most_fits - len(found)), found)
             reachable = self._reached
+        self._fit(self._with_cases(self._typical((settings.most_fits + 1) // 2)), found)
         self._fit(self._crowded_out(found), found)
         self._fit(self._chosen(self._reached, settings.most_fits), found)
         self._widen(found)
@@ -78,7 +80,17 @@ class Waves:
 
     def _chosen(self, least: float, most: int) -> list[int]:
         """At most so many that wait and promise so much, and special cases of theirs."""
-        wave = shortlist([k for k in self._waiting if self._looks[k].gain >= least], self.placed, max(most, 0))
+        return self._with_cases(
+            shortlist([k for k in self._waiting if self._looks[k].gain >= least], self.placed, max(most, 0))
+        )
+
+    def _typical(self, most: int) -> list[int]:
+        """Those that still wait of so many that promise most in typical windows; a few wild ones may hide them."""
+        leading = sorted(self._hopeful, key=lambda k: -self._looks[k].evidence)[:most]
+        return [k for k in leading if k in self._waiting]
+
+    def _with_cases(self, wave: list[int]) -> list[int]:
+        """Some that wait, and their special cases that wait."""
         cases = (j for k in wave for j in self._waiting if holds(self.placed[k], self.placed[j]))
         return list(dict.fromkeys([*wave, *cases]))
 

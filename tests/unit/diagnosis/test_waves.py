@@ -47,6 +47,7 @@ def test_what_is_fitted_brings_its_special_case_along() -> None:
 def test_others_have_their_turn_where_what_promised_most_gains_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Promises are turned round, so that the true effect is the last."""
     monkeypatch.setattr(waves, "shortlist", lambda order, placed, most: list(order)[::-1][:most])
+    monkeypatch.setattr(waves.Waves, "_typical", lambda *_: [])
     bench, base = bench_of(most_fits=1, least_promise=0.0, least_hope=0.0)
     placed = placed_of(("viscous_friction", "quadratic_drag", "constant_offset"))
     best, *first = rank(bench, base, placed, lambda _: None).candidates
@@ -107,6 +108,15 @@ def test_what_holds_one_that_gains_about_as_much_as_the_best_is_fitted() -> None
     best, other = found["load_dependent_friction"], found["coulomb_friction"]
     assert best.gain.total > other.gain.total
     assert found["asymmetric_friction"].fitted
+
+
+def test_what_promises_most_in_typical_windows_is_fitted_beside_what_promises_most_in_all() -> None:
+    bench, base = bench_of(most_fits=1, least_promise=0.0, least_hope=0.0)
+    asked = waves.Waves(CandidateFits(bench.beside(base), base), placed_of(NAMES), lambda _: None)
+    gains = [look.gain for look in asked._looks]
+    least, most = int(np.argmin(gains)), int(np.argmax(gains))
+    asked._looks = [replace(look, evidence=float(k == least)) for k, look in enumerate(asked._looks)]
+    assert {least, most} <= asked.first().keys() < {*range(len(NAMES))}
 
 
 def test_the_next_ones_are_those_that_promise_most_in_typical_windows() -> None:
