@@ -14,6 +14,7 @@ _NONE = "**No missing effect:** the logs support no effect beyond the plain mode
 _SHORT = 4  # models that a sentence lists: as given, calibrated, and with two effects
 _KNOWN = 1.1  # times; χ² of noise whose standard deviation is known within 5 %
 _TOO_LOW = 0.5  # χ² that noise leaves whose standard deviation was taken for 1.4 times as large
+_LITTLE = 2.0  # χ² of a gap that is as large as the noise
 _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 
 
@@ -111,6 +112,9 @@ def _unexplained(report: GapReport) -> str:
     added = report.added
     if not added:
         beyond = " beyond doubt" if _notes(report, IN_DOUBT) else ""
+        chi2 = report.catalogued[-1].held_out.chi2
+        if chi2 is not None and chi2 < _LITTLE:
+            return f"**Unexplained, though little:** a gap below the noise remains, and no effect explains it{beyond}."
         return f"**Unexplained:** a gap remains that no effect of the catalogue explains{beyond}."
     told = [law.told for law in report.judged.laws if law.refuted]
     if told:

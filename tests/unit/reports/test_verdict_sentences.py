@@ -143,6 +143,13 @@ def test_what_a_model_came_with_was_not_added(close_report: dict[str, Any], kind
     assert "coulomb_friction" not in told
 
 
+@pytest.mark.parametrize(("chi2", "little"), [(1.36, True), (2.1, False)])
+def test_a_gap_below_the_noise_is_called_little(close_report: dict[str, Any], chi2: float, little: bool) -> None:
+    report = begun_with_friction(close_report, verdict="unexplained")
+    report["ladder"][-1]["held_out"]["chi2"] = chi2
+    assert ("**Unexplained, though little:** a gap below the noise remains" in verdict(report)) == little
+
+
 def test_a_calibration_that_got_worse_is_not_blamed_on_what_the_model_came_with(close_report: dict[str, Any]) -> None:
     close_report["as_given"]["held_out"]["chi2"] = 100.0
     left = {"status": "unexplained", "chi2": 213.4}
