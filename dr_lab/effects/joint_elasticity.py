@@ -86,7 +86,11 @@ class JointElasticity(MotorSideEffect, ForceLaw):
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
+        return self.shaft()(drive, step, values["rotor"], values["compliance"], values["retardation"])
+
+    def shaft(self) -> "type[Twisting]":
+        """What motor and link do."""
+        return Twisting
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Springs from stiff to soft."""

@@ -47,19 +47,27 @@ class MotorSideEffect(JointEffect):
         return Parameter("rotor", "kg" if slides(model, site) else "kg·m²", nominal, low, high)
 
 
-def fed_back_at_motor(model: mujoco.MjModel, joint: str) -> bool:
-    """Whether the actuators of a hinge or slide joint are position controllers, whose feedback may be the motor's."""
-    return driven(model, joint) and float(JointDrive.of([model], joint).by_position[0]) != 0.0
+@dataclass(frozen=True)
+class FedBackEffect(MotorSideEffect):
+    """One where the feedback of the actuators is the motor's, and is taken at the start of a step h.
 
-
-def steady_rotor(rotor: Parameter, model: mujoco.MjModel, site: str) -> Parameter:
-    """The same with a lower bound: the feedback, taken at the start of a step h, stops the rotor within it at most.
-
-    J ≥ h K_v + h² K_p.
+    So the rotor is at least so heavy that the feedback stops it within the step and no sooner: J ≥ h K_v + h² K_p.
     """
-    drive, step = JointDrive.of([model], site), model.opt.timestep
-    stopped = float(-step * drive.by_velocity[0] - step**2 * drive.by_position[0])
-    return replace(rotor, low=float(np.clip(stopped, rotor.low, rotor.nominal)))
+
+    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
+        """The inertia on the motor's side."""
+        rotor, drive, step = super().rotor(model, site), JointDrive.of([model], site), model.opt.timestep
+        stopped = float(-step * drive.by_velocity[0] - step**2 * drive.by_position[0])
+        return replace(rotor, low=float(np.clip(stopped, rotor.low, rotor.nominal)))
+
+
+@dataclass(frozen=True)
+class BehindLoop(FedBackEffect):
+    """One between the motor of a position controller, whose own encoder closes the loop, and the joint."""
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the hinge and slide joints that a position controller drives."""
+        return tuple(joint for joint in super().sites(model) if JointDrive.of([model], joint).by_position[0] != 0.0)
 
 
 @dataclass

@@ -1,22 +1,18 @@
 """A shaft, belt or harmonic drive that twists between motor and link, where the encoder sits at the motor."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import mujoco
 import numpy as np
 
-from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_elasticity import JointElasticity, Twisting
-from dr_lab.effects.motor_side import FedBackAtMotor, steady_rotor
-from dr_lab.physics.law import Influence, Law, Moment
-from dr_lab.physics.parameter import Parameter
+from dr_lab.effects.motor_side import FedBackAtMotor, FedBackEffect
+from dr_lab.physics.law import Influence, Moment
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class MotorSideElasticity(JointElasticity):
+class MotorSideElasticity(FedBackEffect, JointElasticity):
     """As `JointElasticity`, but the encoder and the position controller's feedback are the motor's, as usual of servos.
 
     Link and motor move as there. The encoder reads q + δ, and a window begins where q + δ is as measured. Before a
@@ -38,14 +34,9 @@ class MotorSideElasticity(JointElasticity):
     )
     confused_with: ClassVar[tuple[str, ...]] = ("joint_elasticity", "backlash", "armature", "presliding_friction")
 
-    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
-        """The inertia on the motor's side."""
-        return steady_rotor(super().rotor(model, site), model, site)
-
-    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
-        """The motor on its spring."""
-        drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return _AtMotor(drive, step, values["rotor"], values["compliance"], values["retardation"])
+    def shaft(self) -> type[Twisting]:
+        """What motor and link do."""
+        return _AtMotor
 
 
 @dataclass

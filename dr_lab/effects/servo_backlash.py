@@ -1,21 +1,14 @@
 """Play between a servo's own encoder and its joint."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import mujoco
-
 from dr_lab.effects.backlash import Backlash, Parting
-from dr_lab.effects.joint_drive import JointDrive
-from dr_lab.effects.motor_side import FedBackAtMotor, fed_back_at_motor, steady_rotor
-from dr_lab.physics.law import Law
-from dr_lab.physics.parameter import Parameter
-from dr_lab.trajectory import Array
+from dr_lab.effects.motor_side import BehindLoop, FedBackAtMotor
 
 
 @dataclass(frozen=True)
-class ServoBacklash(Backlash):
+class ServoBacklash(BehindLoop, Backlash):
     """As `Backlash`, where the position controller's feedback is the motor's: its loop does not see the play.
 
     So the motor is where the controller wants it, and the link anywhere within ± gap/2 of it: a spindle, belt or
@@ -25,7 +18,7 @@ class ServoBacklash(Backlash):
     which is taken at the start of a step, stops it within the step and no sooner: J ≥ h K_v + h² K_p.
     Limits: hinge and slide joints of position controllers, whose logs are the link's. Where the encoder of the loop
     sits behind the play, as of most hobby servos, it is `Backlash`; friction of the motor itself stays with the link.
-    Source: as of `Backlash`, section 3.2 (feedback of the motor).
+    Source: as of `Backlash`.
     """
 
     name: ClassVar[str] = "servo_backlash"
@@ -35,18 +28,9 @@ class ServoBacklash(Backlash):
     )
     confused_with: ClassVar[tuple[str, ...]] = ("backlash", "servo_elasticity", "hysteresis", "dead_zone")
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the hinge and slide joints that a position controller drives."""
-        return tuple(joint for joint in super().sites(model) if fed_back_at_motor(model, joint))
-
-    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
-        """The inertia on the motor's side."""
-        return steady_rotor(super().rotor(model, site), model, site)
-
-    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
-        """The motor in its gap."""
-        drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return _Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
+    def teeth(self) -> type[Parting]:
+        """What motor and link do."""
+        return _Parting
 
 
 @dataclass

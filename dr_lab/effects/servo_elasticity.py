@@ -1,22 +1,17 @@
 """A shaft, belt or harmonic drive that twists between a servo's own encoder and its joint."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import mujoco
 import numpy as np
 
-from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_elasticity import JointElasticity, Twisting
-from dr_lab.effects.motor_side import FedBackAtMotor, fed_back_at_motor, steady_rotor
-from dr_lab.physics.law import Law
-from dr_lab.physics.parameter import Parameter
+from dr_lab.effects.motor_side import BehindLoop, FedBackAtMotor
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class ServoElasticity(JointElasticity):
+class ServoElasticity(BehindLoop, JointElasticity):
     """As `JointElasticity`, where the position controller's feedback is the motor's: its loop does not see the twist.
 
     The link's place is where the controller holds the motor, less C T: it sags under its load, and rings on the motor
@@ -43,18 +38,9 @@ class ServoElasticity(JointElasticity):
         "actuator_lag",
     )
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the hinge and slide joints that a position controller drives."""
-        return tuple(joint for joint in super().sites(model) if fed_back_at_motor(model, joint))
-
-    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
-        """The inertia on the motor's side."""
-        return steady_rotor(super().rotor(model, site), model, site)
-
-    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
-        """The motor on its spring."""
-        drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return _Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
+    def shaft(self) -> type[Twisting]:
+        """What motor and link do."""
+        return _Twisting
 
 
 @dataclass

@@ -105,8 +105,7 @@ def test_columns_units_and_signs_are_those_of_the_machine(
     found = proposed(robot, write_logs(columns))
     told = capsys.readouterr().out
     assert ("Not read:\n  - c, e\n" in told) == (columns is nameless)  # velocities
-    gains = [float(gain) for gain in re.findall(r"; gain (\S+)", told)]
-    assert [abs(gain) for gain in gains] == pytest.approx([1.0, 1.0], abs=0.15)  # what the unit leaves of it
+    assert [abs(float(gain)) for gain in re.findall(r"; gain (\S+)", told)] == pytest.approx([1.0, 1.0], abs=0.15)
     assert [read_as(found["outputs"][f"{joint}.position"]) for joint in JOINTS] == outputs
     assert [read_as(found["commands"][joint]) for joint in JOINTS] == commands
     assert found["held_out"] == ["log_1"]  # the last reaches farther than the others
