@@ -38,9 +38,10 @@ def _separates(proposal: ExperimentEntry) -> str:
     if proposal.sigma is not None and proposal.sigma < proposal.needed:
         return (
             f"No command that was tried separates {pair}: `{proposal.command_file}` comes farthest, with {apart}. "
-            "To these sensors they may be the same; then a further channel would tell them apart. Or the motion is "
-            "too small: where the model declares no limit, hardly more is allowed than the logs show. If the machine "
-            "may do more, look again with a larger `next_experiment.safety.margin`, such as 2."
+            "To these sensors they may be the same; then a further channel would tell them apart, or a mass that is "
+            "weighed, or a force that is measured. Or the motion is too small: where the model declares no limit, "
+            "hardly more is allowed than the logs show. If the machine may do more, look again with a larger "
+            "`next_experiment.safety.margin`, such as 2."
         )
     return f"Play `{proposal.command_file}`: it separates {pair} by {apart}."
 
