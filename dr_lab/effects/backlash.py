@@ -71,10 +71,10 @@ class Backlash(MotorSideEffect, ForceLaw):
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor in its gap."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return self.teeth()(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
+        return self.motor_law()(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
 
-    def teeth(self) -> "type[Parting]":
-        """What motor and link do."""
+    def motor_law(self) -> "type[Parting]":
+        """Of a motor and its link."""
         return Parting
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

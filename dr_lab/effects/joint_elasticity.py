@@ -86,10 +86,10 @@ class JointElasticity(MotorSideEffect, ForceLaw):
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return self.shaft()(drive, step, values["rotor"], values["compliance"], values["retardation"])
+        return self.motor_law()(drive, step, values["rotor"], values["compliance"], values["retardation"])
 
-    def shaft(self) -> "type[Twisting]":
-        """What motor and link do."""
+    def motor_law(self) -> "type[Twisting]":
+        """Of a motor and its link."""
         return Twisting
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

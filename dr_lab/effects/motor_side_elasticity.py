@@ -34,8 +34,8 @@ class MotorSideElasticity(FedBackEffect, JointElasticity):
     )
     confused_with: ClassVar[tuple[str, ...]] = ("joint_elasticity", "backlash", "armature", "presliding_friction")
 
-    def shaft(self) -> type[Twisting]:
-        """What motor and link do."""
+    def motor_law(self) -> type[Twisting]:
+        """Of a motor and its link."""
         return _AtMotor
 
 

@@ -28,8 +28,8 @@ class ServoBacklash(BehindLoop, Backlash):
     )
     confused_with: ClassVar[tuple[str, ...]] = ("backlash", "servo_elasticity", "hysteresis", "dead_zone")
 
-    def teeth(self) -> type[Parting]:
-        """What motor and link do."""
+    def motor_law(self) -> type[Parting]:
+        """Of a motor and its link."""
         return _Parting
 
 

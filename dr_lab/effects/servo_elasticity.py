@@ -38,8 +38,8 @@ class ServoElasticity(BehindLoop, JointElasticity):
         "actuator_lag",
     )
 
-    def shaft(self) -> type[Twisting]:
-        """What motor and link do."""
+    def motor_law(self) -> type[Twisting]:
+        """Of a motor and its link."""
         return _Twisting
 
 

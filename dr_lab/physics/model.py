@@ -20,6 +20,7 @@ from dr_lab.physics.entry import number, require_known, value_of
 from dr_lab.physics.inertial import KEY, BodyInertial, declare, require_alone
 from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
+from dr_lab.physics.live_parameter import require_live
 from dr_lab.physics.model_effect import ModelEffect
 from dr_lab.physics.naming import require_joints_apart
 from dr_lab.physics.parameter import Parameter
@@ -255,7 +256,7 @@ def from_spec(
         declared += tuple(p for body in inertials for p in body.parameters)
     model = Model(name, spec, declared, targets, derived=follow, inertials=inertials)
     for parameter in declared:
-        require_live(model, parameter.name)
+        require_live(name, parameter, model.space, model.compile)
     return model
 
 
@@ -271,34 +272,3 @@ def _apart(name: str, parameters: Declared) -> tuple[dict[str, Mapping[str, obje
             f"high, as {{target: body.arm.mass, unit: kg, low: 0.1, high: 1.0}}. Only {KEY!r} stands by itself."
         )
     return entries, parameters.get(KEY)
-
-
-def require_live(model: Model, parameter: str) -> None:
-    """Check that a parameter changes the compiled model between its bounds.
-
-    A bound that does not compile is an infeasible context, which is a change.
-
-    Raises:
-        ModelError: it changes nothing.
-    """
-    space, index, ends = model.space, model.space.index(parameter), []
-    for bound in (space.low[index], space.high[index]):
-        z = space.nominal
-        z[index] = bound
-        ends.append(_fingerprint(model, z))
-    if ends[0] and ends[0] == ends[1]:
-        raise ModelError(
-            f"Parameter {parameter!r} of model {model.name!r} changes nothing between {space.low[index]:g} and "
-            f"{space.high[index]:g}. Point its target at something the physics uses, or delete it."
-        )
-
-
-def _fingerprint(model: Model, z: Array) -> bytes:
-    """The compiled model's bytes; empty where the context does not compile."""
-    try:
-        at_z = model.compile(z)
-    except ModelError:
-        return b""
-    buffer = np.zeros(mujoco.mj_sizeModel(at_z), np.uint8)
-    mujoco.mj_saveModel(at_z, None, buffer)
-    return buffer.tobytes()

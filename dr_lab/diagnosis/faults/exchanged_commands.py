@@ -6,9 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import Forces
-from dr_lab.diagnosis.faults.misread import Misreading, crossed_words, exchanged, first_logs
+from dr_lab.diagnosis.faults.misread import Misreading, exchanged, exchanged_words, first_logs
 from dr_lab.diagnosis.faults.smoothed_motion import smoothed_motion
 from dr_lab.trajectory import Array, Log, MeasurementSet
+
+_TINY = float(np.finfo(float).tiny)
 
 
 def exchanged_commands(forces: Forces, measured: MeasurementSet) -> Misreading | None:
@@ -25,23 +27,23 @@ def exchanged_commands(forces: Forces, measured: MeasurementSet) -> Misreading |
     Returns:
         The misreading of the pair that leaves least; None where there is none.
     """
-    settings, logs = forces.settings, first_logs(forces.logs, forces.settings)
-    motion = smoothed_motion(forces.model, measured, logs, settings.equation)
-    given = _left(Forces.of(forces.model, logs, motion, settings))
-    bad = [name for name, (left, need) in given.items() if left >= settings.share * need]
-    found = []
+    settings = forces.settings
+    bad = [name for name, (left, need) in _left(forces).items() if left >= settings.share * need]
+    if len(bad) < 2:
+        return None
+    motion = smoothed_motion(forces.model, measured, logs := first_logs(forces.logs, settings), settings.equation)
+    given, found = _left(Forces.of(forces.model, logs, motion, settings)), []
     for pair in itertools.combinations(bad, 2):
-        if _unit(logs, pair[0]) != _unit(logs, pair[1]):
+        if _unit(forces.logs, pair[0]) != _unit(forces.logs, pair[1]):
             continue
         other = _left(Forces.of(forces.model, [exchanged(log, *pair) for log in logs], motion, settings))
-        worst = max(other[name][0] / given[name][0] for name in pair) if {*pair} <= other.keys() else np.inf
-        if worst <= settings.contrast:
-            found.append((worst, pair))
-    if not found:
+        if {*pair} <= given.keys() & other.keys():
+            found.append((max(other[name][0] / max(given[name][0], _TINY) for name in pair), pair))
+    worst, pair = min(found, default=(np.inf, ("", "")))
+    if worst > settings.contrast:
         return None
-    worst, pair = min(found)
-    told, remedy = crossed_words(*pair)
-    message = f"{told}: the other way round they leave at most {100 * worst:.2g} % of the squares that they leave so."
+    told, remedy = exchanged_words(*pair)
+    message = f"{told}: the other way round at most {100 * worst:.2g} % of the squares are left that are as declared."
     return Misreading("swapped", pair[0], message, remedy)
 
 

@@ -1,4 +1,4 @@
-"""Channels read in another unit or order than declared, by which the equation of motion holds in all logs at once."""
+"""Channels and commands read in another unit or order than declared, by which the equation of motion holds."""
 
 import functools
 import itertools
@@ -69,7 +69,7 @@ def misread(forces: Forces, measured: MeasurementSet) -> Misreading | None:
         return None
     least = _mean(declared.unexplained(-np.inf, np.inf))
     every = [*_positions(model, motion, logs, bad), *_swaps(model, logs, bad)]
-    every += [*_commands(model, forces, bad), *_crossed(model, forces, bad)]
+    every += [*_commands(model, forces, bad), *_command_swaps(model, forces, bad)]
     anew = (Forces.of(model, each.logs(logs), each.motion(motion), settings) for each in every)
     tried = [(_mean(read.unexplained(*plausible)), each) for read, each in zip(anew, every, strict=True)]
     far = sorted((pair for pair in tried if pair[0] <= settings.contrast * least), key=lambda pair: pair[0])
@@ -128,15 +128,15 @@ def _commands(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Ite
             yield _Reading("unit", name, told, remedy, lambda motion: motion, _multiplied(name, factor))
 
 
-def _crossed(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Iterator[_Reading]:
+def _command_swaps(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Iterator[_Reading]:
     """Commands of two of the actuators that move these joints, exchanged."""
     for one, other in itertools.combinations(_driving(model, forces, dofs), 2):
-        told, remedy = crossed_words(one, other)
+        told, remedy = exchanged_words(one, other)
         read = functools.partial(_all_exchanged, one=one, other=other)
         yield _Reading("swapped", one, told, remedy, lambda motion: motion, read)
 
 
-def crossed_words(one: str, other: str) -> tuple[str, str]:
+def exchanged_words(one: str, other: str) -> tuple[str, str]:
     """That the commands of two actuators seem to be exchanged, and what to do."""
     told = f"the commands of {one} and {other} seem to be exchanged"
     return told, f"Exchange what measurements.commands names for {one} and {other}."

@@ -151,8 +151,8 @@ def drop_absent(
     The parameter's uncertainty is the stated one (`uncertainty.known`), which holds the scatter between logs and what
     the time step moves: an effect that makes up for the step's error is no physics. Only its gain judges an effect of
     several parameters: near absent its shape means nothing, and a Wald test's answer depends on how the parameters are
-    written down. Of an elasticity, for example, often only compliance times inertia is known. What
-    others would have to do in its place counts as far as their bounds let them: a damping goes no lower than 0.
+    written down. Of an elasticity, for example, often only compliance times inertia is known. What others would have to
+    do in its place counts as far as their bounds let them: a damping goes no lower than 0.
 
     Source: Gregory and Veall, Econometrica 53 (1985) 1465.
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from dr_lab.diagnosis.checks.step_error import step_shift
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
-from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.evidence.compatible import known_of
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.trajectory import Array
@@ -32,7 +32,7 @@ def known(bench: Bench, fitted_model: FittedModel) -> Known:
     would be s away (`step_shift`), in one direction of all parameters together: C + s sᵀ.
     """
     fit, space = fitted_model.fit, fitted_model.model.space
-    found = estimate(space, fit, bench.fit, bench.evidence)
+    found = known_of(bench, fitted_model)
     replay = Replay(fitted_model.model, bench.fit, bench.threads)
     away = space.span * step_shift(replay, fit, bench.solver, bench.threads)
     return Known(replace(found, covariance=found.covariance + np.outer(away, away)), np.abs(away))
